@@ -36,7 +36,7 @@ def bars(figures: Figures, *, format: str = "png") -> bytes:
     axes.set_yticks(range(len(programs)), programs, fontsize=8)
     axes.invert_yaxis()
     axes.tick_params(labelsize=8)
-    axes.set_xlabel("scenes per second of the processor (median; lines from the least to the most)", fontsize=8, color=INK)
+    axes.set_xlabel(f"{figures.what} per second of the processor (median; lines from the least to the most)", fontsize=8, color=INK)
     figure.legend(loc="outside upper center", ncols=min(4, len(contenders)), frameon=False, fontsize=8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)

@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Protocol
 
 from ..semantics.kernel.errors import UsageError
+from .own_driver import DrivingTask
 from .own_sampler import SamplingTask
 
 SAMPLER = Path(__file__).with_name("released_sampler.py")
+DRIVER = Path(__file__).with_name("released_driver.py")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 FORM = re.compile(r"(?P<name>[\w.-]+)==(?P<version>[\w.+!-]+)=(?P<python>.+)")
 KNOWN = "scenic"
@@ -65,31 +67,56 @@ class Ours:
 
 
 @dataclass(frozen=True, slots=True)
+class OursOverTime:
+    """A backend of simulations of this package; its simulations have so many time steps at most."""
+
+    name: str
+    steps: int
+
+    def command(self, program: MeasuredProgram, seed: int) -> list[str]:
+        """Starts its process."""
+        task = DrivingTask(program.path, self.name, self.steps, program.trust, seed)
+        return python_that_runs(f"{__package__}.own_driver", task.text())
+
+    def environment(self) -> Mapping[str, str]:
+        """The variables of its process."""
+        return on_one_thread()
+
+
+@dataclass(frozen=True, slots=True)
 class Released:
-    """A released implementation, in the environment of `python`; `script` and `world` are files that its process reads."""
+    """A released implementation, in the environment of `python`; `script` and `world` are files that its process reads.
+
+    It simulates where there are time steps, else it draws scenes.
+    """
 
     name: str
     python: str
     script: str = ""
     world: str = ""
+    steps: int | None = None
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
         """Starts its process."""
         assert program.released is not None
-        return [self.python, self.script, program.released, self.world, str(seed)]
+        return [self.python, self.script, program.released, self.world if self.steps is None else str(self.steps), str(seed)]
 
     def environment(self) -> Mapping[str, str]:
         """The variables of its process: nothing of the environment of this one."""
         own = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV", "__PYVENV_LAUNCHER__")
         return {**{name: value for name, value in os.environ.items() if name not in own}, **ONE_THREAD}
 
-    def at(self, directory: Path) -> Released:
-        """The same, with the files that it reads in `directory`: its script must stand alone, and the world is that of the gallery."""
-        script, world = directory / SAMPLER.name, directory / "world.json"
+    def at(self, directory: Path, steps: int | None = None) -> Released:
+        """The same, with the files that it reads in `directory`: its script must stand alone, and the world is that of the gallery.
+
+        It simulates so many time steps, if they are given.
+        """
+        source = SAMPLER if steps is None else DRIVER
+        script, world = directory / source.name, directory / "world.json"
         if not script.exists():
-            script.write_text(SAMPLER.read_text(encoding="utf-8"), encoding="utf-8")
+            script.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
             world.write_text(json.dumps(world_of_the_gallery()), encoding="utf-8")
-        return replace(self, script=str(script), world=str(world))
+        return replace(self, script=str(script), world=str(world), steps=steps)
 
 
 class Contender(Protocol):

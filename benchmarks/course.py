@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..interpreter.extras import is_installed
 from ..semantics.kernel.errors import UsageError
-from .contenders import Contender, MeasuredProgram, Ours, Released, released
+from .contenders import Contender, MeasuredProgram, Ours, OursOverTime, Released, released
 from .end_to_end import FORMATS, NEED_ARROW, RunToFile
 from .figures import Cell, Figures, load
 from .growth import WHAT, contenders, programs
@@ -39,10 +39,13 @@ class CourseRequest:
     end_to_end: bool = False
     trust: bool = False
     formats: tuple[str, ...] = FORMATS
+    steps: int | None = None
+    """Simulations of so many time steps are measured, if this is given, and not scenes."""
 
     def json(self) -> dict[str, object]:
         """The options that decide the figures."""
-        return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed, "end to end": self.end_to_end}
+        found: dict[str, object] = {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed}
+        return found | {"end to end": self.end_to_end} | ({} if self.steps is None else {"steps": self.steps})
 
 
 def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> Figures:
@@ -52,15 +55,16 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
     """
     todo = programs_of(request)
     with tempfile.TemporaryDirectory() as directory:
-        others = [released(text).at(Path(directory)) for text in request.against]
+        others = [released(text).at(Path(directory), request.steps) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
         numba, torch, arrow = is_installed("numba"), is_installed("torch"), is_installed("pyarrow")
         for there, missing in ((numba, NO_NUMBA), (arrow, NO_ARROW) if request.end_to_end else (torch, NO_TORCH)):
-            if not there:
+            if not there and request.steps is None:
                 tell(missing)
-        rivals: list[Contender] = [*(written(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)), *others]
-        figures = Figures(tuple(r.name for r in rivals), others[0].name if others else rivals[0].name, load={"before": load()})
+        rivals: list[Contender] = [*own(request, numba, torch, arrow), *others]
+        standard = others[0].name if others else rivals[0].name
+        figures = Figures(tuple(r.name for r in rivals), standard, load={"before": load()}, what="scenes" if request.steps is None else "time steps")
         try:
             for number, program in enumerate(todo, 1):
                 tell(f"[{number}/{len(todo)}] {program.name}")
@@ -74,6 +78,13 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
         if figures.interrupted:
             raise KeyboardInterrupt
     return figures
+
+
+def own(request: CourseRequest, numba: bool, torch: bool, arrow: bool) -> Iterator[Contender]:
+    """What of this package is measured."""
+    if request.steps is not None:
+        return (OursOverTime(backend, request.steps) for backend in ("interpreter", "compiled"))
+    return written(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)
 
 
 def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:

@@ -117,6 +117,8 @@ class Figures:
     growth: dict[str, list[Cell]] = field(default_factory=dict)
     load: dict[str, tuple[float, ...]] = field(default_factory=dict)
     interrupted: bool = False
+    what: str = "scenes"
+    """What is counted: scenes, or time steps of simulations."""
 
     def programs(self) -> list[str]:
         """The programs with which the benchmark has begun."""
@@ -159,7 +161,7 @@ class Figures:
         cells = [cell.json() | {"ratio": rounded(self.ratio(cell))} | (w.json() if (w := self.writing(cell)) else {}) for cell in self.cells]
         return {
             "schema": SCHEMA, "versions": versions(), "machine": machine(), "load": self.load, "options": dict(options),
-            "interrupted": self.interrupted, "ratios to": self.standard,
+            "interrupted": self.interrupted, "ratios to": self.standard, "counted": self.what,
             "geometric means": {name: {"ratio": rounded(mean), "programs": count} for name, (mean, count) in self.means().items()},
             "cells": cells, "growth": {name: [cell.json() for cell in found] for name, found in self.growth.items()},
         }

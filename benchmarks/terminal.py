@@ -50,8 +50,8 @@ def empty_table(title: str, words: Sequence[str], numbers: Sequence[str]) -> Tab
 
 def table_of(figures: Figures) -> Table:
     """One row for each program and implementation."""
-    numbers = ("scenes/s", "least", "most", "attempts/scene", "prepare s", "peak MiB", "ratio")
-    table = empty_table(f"scenes per second of the processor; ratios to {figures.standard}", ("program", "implementation"), numbers)
+    numbers = (f"{figures.what}/s", "least", "most", "attempts/scene", "prepare s", "peak MiB", "ratio")
+    table = empty_table(f"{figures.what} per second of the processor; ratios to {figures.standard}", ("program", "implementation"), numbers)
     for program in figures.programs():
         cells = [cell for cell in figures.cells if cell.program == program]
         for cell in cells:

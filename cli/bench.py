@@ -49,17 +49,24 @@ def bench(
             help="With --end-to-end: only jsonl, npz, parquet, arrow or csv.",
         ),
     ] = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate", help="Measure time steps of simulations in the kinematic simulator, in place of scenes.")
+    ] = False,
+    steps: Annotated[int, typer.Option("--steps", metavar="STEPS", min=1, help="With --simulate: time steps of a simulation, at most.")] = 200,
     trust: TrustOption = False,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw scenes per second as bars, as .png, .pdf or .svg.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Measure how fast scenes are drawn.
+    """Measure how fast scenes are drawn, or simulations run.
 
     The interpreter, the batch backend (on columns, compiled, by torch) and released implementations draw each program in a process of their own.
     They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
     interpreter. Ctrl-C shows what is measured so far.
+
+    With --simulate time steps are counted, of compiled behaviors, of the machine and of the released implementation's Newtonian simulator;
+    what the scenes take is left out. A program for all of them names its map by `param map = localPath(...)`.
 
     Exit codes: 0, 1 if nothing could be measured of a program, 2 wrong usage.
     """
@@ -73,6 +80,8 @@ def bench(
         raise UsageError("there is nothing to measure", hint="give programs, or --growth")
     if end_to_end and (prune or growth or against):
         raise UsageError("--end-to-end measures the command itself, and goes with none of --prune, --growth and --against")
+    if simulate and (prune or growth or end_to_end or not programs):
+        raise UsageError("--simulate measures programs, and goes with none of --prune, --growth and --end-to-end")
     if formats and not end_to_end:
         raise UsageError("--format says which files --end-to-end measures")
     if unknown := [form for form in formats or () if form not in FORMATS]:
@@ -83,7 +92,8 @@ def bench(
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)
     request = CourseRequest(
-        tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS)
+        tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS),
+        steps if simulate else None,
     )
     figures = measure(request, tell, lambda figures: finish(figures, request, output, plot))
     if unmeasured := figures.unmeasured():

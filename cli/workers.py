@@ -40,7 +40,7 @@ def draw_here(
     printed: list[str] = []
     for index in range(job.start, job.stop):
         try:
-            yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt if patient else patiently(on_attempt))
+            yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt if patient else patiently(job.max_attempts, on_attempt))
         except ScenicError as error:
             yield failed(error, printed)
             return

@@ -43,14 +43,17 @@ class OutOfPatience(Exception):
     """So many attempts at a scene failed that the batch backend may do better."""
 
 
-def patiently(on_attempt: Callable[[int], None] | None = None) -> Callable[[int], None]:
-    """Is told how many attempts at a scene, which begins now, have failed; tells `on_attempt`, and raises `OutOfPatience` when that is enough."""
+def patiently(max_attempts: int, on_attempt: Callable[[int], None] | None = None) -> Callable[[int], None]:
+    """Is told how many attempts at a scene, which begins now, have failed; tells `on_attempt`, and raises `OutOfPatience` when that is enough.
+
+    It is not where there may be few: who says that there is no scene in so many attempts then does not depend on how long they take.
+    """
     begun = time.process_time()
 
     def told(attempts: int) -> None:
         if on_attempt is not None:
             on_attempt(attempts)
-        if attempts >= PATIENCE or (attempts >= FEWEST and time.process_time() - begun > SECONDS):
+        if max_attempts > PATIENCE and (attempts >= PATIENCE or (attempts >= FEWEST and time.process_time() - begun > SECONDS)):
             raise OutOfPatience
 
     return told

@@ -141,7 +141,7 @@ def few_scenes(scenario: Scenario, seed: int, start: int, stop: int, max_attempt
     """The same as long as each needs few attempts; the others by the batch backend, if it can."""
     for index in range(start, stop):
         try:
-            yield scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=patiently()).scene
+            yield scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=patiently(max_attempts)).scene
             continue
         except OutOfPatience:
             pass

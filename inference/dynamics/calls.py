@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
+from enum import Enum
+from types import NoneType
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from ...semantics.kernel.allowed import is_hidden, is_user_made
 from ...semantics.kernel.config import Abrupt, Config, Value
 from ...semantics.kernel.driving import taken_over
 from ...semantics.kernel.generators import EXHAUSTED, Generator
@@ -19,9 +22,10 @@ from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING, Scope
 from ...semantics.kernel.sets import Set
 from ...semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Random, plain, unwrap
-from ...semantics.python.assignment import bind_target, conclude_augmented
+from ...semantics.python.assignment import bind_target, conclude_assignment, conclude_augmented
 from ...semantics.python.calls import conclude_call, invocation
 from ...semantics.python.comprehensions import inner_scope
+from ...semantics.python.elementwise import LISTING
 from ...semantics.python.expression_statements import Discard, resume_discard
 from ...semantics.python.expressions import conclude_attribute, conclude_subscript, container
 from ...semantics.python.functions import make_function
@@ -49,6 +53,7 @@ KEPT = ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")
 """What a function that host code calls may not change."""
 NO_NAMES: tuple[str, ...] = ()
 NOTHING: Mapping[str, object] = {}
+ZIP, ENUMERATE = LISTING["zip"], LISTING["enumerate"]
 
 
 class Calls(Equations):
@@ -121,9 +126,40 @@ class Calls(Equations):
                 found = self.property(subject, node, getter)
         elif kind is Module:
             found = subject.scope.bindings.get(node.name, SLOWLY)
+        elif is_user_made(subject):
+            found = self.own_attribute(subject, node)
         else:
             found = natives.attribute(subject, node.name)
         return plain(self.concluded(scope, conclude_attribute, node, [subject]) if found is SLOWLY else found)
+
+    def own_attribute(self, subject: Any, node: p.Attribute) -> Any:
+        """⟨E.name⟩ of an instance of a Python class of the program; `SLOWLY` where that is for the machine to say."""
+        name = node.name
+        if isinstance(subject, type) or is_hidden(name) or name.startswith("__"):
+            return SLOWLY
+        member = class_member(type(subject), name)
+        if isinstance(member, property):
+            getter: Any = member.fget
+            return self.property(subject, node, getter) if type(getter) is Function else SLOWLY
+        own = getattr(subject, "__dict__", NOTHING)
+        if type(own) is dict and name in own and not hasattr(type(member), "__set__"):
+            return own[name]
+        return Method(member, subject, member.door) if type(member) is Function else SLOWLY
+
+    def assign_attribute(self, scope: Scope, node: s.Assignment, result: Any, subject: Any) -> None:
+        """⟨E.name = v⟩: of an instance of a Python class of the program at once, of anything else by the machine."""
+        target: Any = node.targets[0]
+        name = target.name
+        if is_user_made(subject) and not isinstance(subject, (type, BaseException)) and not is_hidden(name) and not name.startswith("__"):
+            own = getattr(subject, "__dict__", None)
+            if type(own) is dict and not hasattr(type(class_member(type(subject), name)), "__set__") and not issubclass(type(subject), Enum):
+                own[name] = plain(result)
+                return
+        self.assigned(scope, node, result)
+
+    def assigned(self, scope: Scope, node: s.Assignment, result: Any) -> None:
+        """⟨x = E⟩ where ⟨E⟩ → v, for targets of any form."""
+        self.concluded(scope, conclude_assignment, node, [result])
 
     def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
         """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
@@ -186,7 +222,7 @@ class Calls(Equations):
 
     def elements(self, scope: Scope, node: Node, iterable: Any) -> Any:
         """What a loop goes through: a list or tuple, which may grow, a range, or the elements of anything else, one by one."""
-        if type(iterable) in (list, tuple, range):
+        if type(iterable) in (list, tuple, range, zip, enumerate):
             return iterable
         return self.elements_one_by_one(scope, node, iterable)
 
@@ -231,13 +267,27 @@ class Calls(Equations):
             raise LeftToMachine("an error of the program") from None
 
     def item(self, scope: Scope, node: p.Subscript, subject: Any, index: Any) -> Any:
-        """⟨E[I]⟩ → c[i]."""
+        """⟨E[I]⟩ → c[i]: an element keeps what it was drawn from."""
         kind = type(subject)
         if type(index) is int and kind in (list, tuple) and -len(subject) <= index < len(subject):
-            return plain(subject[index])
+            return subject[index]
         if type(index) is str and kind is dict and (found := subject.get(index, MISSING)) is not MISSING:
-            return plain(found)
-        return plain(self.concluded(scope, conclude_subscript, node, [subject, index]))
+            return found
+        return self.concluded(scope, conclude_subscript, node, [subject, index])
+
+    def part(self, scope: Scope, node: p.Subscript, subject: Any, *places: Any) -> Any:
+        """⟨E[I:J:K]⟩ → c[i:j:k]."""
+        if type(subject) in (list, tuple) and all(type(place) in (int, NoneType) for place in places) and places[2] != 0:
+            return subject[slice(*places)]
+        return self.concluded(scope, conclude_subscript, node, [subject, *places])
+
+    def rows(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...]) -> Any:
+        """⟨f(E_1, ..., E_n)⟩ for a loop, which nobody else can ask for elements."""
+        if function is ZIP and all(type(a) in (list, tuple, range) for a in arguments):
+            return zip(*arguments)
+        if function is ENUMERATE and len(arguments) == 1 and type(arguments[0]) in (list, tuple, range):
+            return enumerate(arguments[0])
+        return self.call(scope, node, function, arguments)
 
     def augmented(self, scope: Scope, node: s.AugmentedAssignment, current: Any, operand: Any) -> None:
         """⟨x += E⟩, of what is no number."""
@@ -257,6 +307,11 @@ class Calls(Equations):
                 raise LeftToMachine("a generator that raises StopIteration") from raised
             raise
         return not wanted
+
+
+def class_member(class_: type, name: str) -> Any:
+    """What a class of the program, or one above it, has under a name; None if nothing."""
+    return next((vars(one)[name] for one in class_.__mro__ if name in vars(one)), None)
 
 
 def refused(drawn: object) -> NoReturn:

@@ -183,7 +183,7 @@ class Equations:
                 return left * right
             if node.operator == "/" and right:
                 return left / right
-            if node.operator == "**" and type(left) is float and type(right) is float and left > 0:
+            if node.operator == "**" and type(left) is float and (left > 0 or type(right) is int) and left:
                 return self.power(scope, node, left, right)
         elif type(left) is Vector and type(right) is Vector:
             if node.operator == "+":
@@ -197,7 +197,7 @@ class Equations:
         return plain(self.concluded(scope, conclude_binary, node, [left, right]))
 
     def power(self, scope: Scope, node: p.BinaryOperation, base: float, exponent: float) -> Any:
-        """x ** y of positive floats."""
+        """x ** y of a float, which is positive or has a whole number above it."""
         try:
             return base**exponent
         except OverflowError:

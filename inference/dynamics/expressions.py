@@ -90,8 +90,8 @@ class Expressions:
             case p.TupleDisplay(items=items) | p.ListDisplay(items=items) if not any(isinstance(item, p.Starred) for item in items):
                 shown = "".join(f"{self.value(item)}, " for item in items)
                 return f"({shown})" if isinstance(node, p.TupleDisplay) else f"[{shown}]"
-            case p.Subscript(value=container, index=index) if not isinstance(index, p.Slice):
-                return f"q.item(S, {self.constant(node)}, {self.value(container)}, {self.value(index)})"
+            case p.Subscript():
+                return self.without_origin(self.subscript(node))
             case p.Comprehension(kind="list" | "set" | "dict"):
                 return self.comprehension(node)
             case e.ObjectOrValue():
@@ -121,6 +121,8 @@ class Expressions:
                 return self.call(node)
             case e.ObjectOrValue():
                 return self.object_or_value(node)
+            case p.Subscript():
+                return self.subscript(node)
             case p.Conditional(test=test, then=then, otherwise=otherwise):
                 return f"({self.carried(then)} if {self.truth(test)} else {self.carried(otherwise)})"
             case _ if type(node) in TRANSLATED or type(node) in EQUATIONS:
@@ -130,7 +132,7 @@ class Expressions:
 
     def comprehension(self, node: p.Comprehension, *, lazily: bool = False) -> str:
         """`[E for x in I if B]`: a function of its scope and its first iterable; one that yields the elements, if it is asked for them `lazily`."""
-        first = self.value(node.clauses[0].iterable)
+        first = self.iterable(node.clauses[0].iterable)
         name, variables, source, found = self.new_name("g"), f"B{len(self.scopes)}", self.temporary(), self.temporary()
         names = NO_NAMES._replace(local=frozenset(n for clause in node.clauses for n in target_names(clause.target)))
         self.line(f"def {name}(S, {source}):")
@@ -140,7 +142,7 @@ class Expressions:
         self.line(f"{variables}, {found} = S.bindings, []")
         size = size_of(node)
         for clause in node.clauses:
-            items = source if clause is node.clauses[0] else self.value(clause.iterable)
+            items = source if clause is node.clauses[0] else self.iterable(clause.iterable)
             element = self.temporary()
             self.line(f"for {element} in q.elements(S, {self.constant(clause.iterable)}, {items}):")
             self.indent += 1
@@ -173,6 +175,23 @@ class Expressions:
         """`E` where an object may stand: an object definition if it is a Scenic class, else its value."""
         t = self.temporary()
         return f"({t} if type({t} := {self.carried(node.value)}) not in CLASSES else q.object_or_value(S, {self.constant(node)}, {t}))"
+
+    def subscript(self, node: p.Subscript) -> str:
+        """⟨E[I]⟩, whose value keeps what it was drawn from."""
+        container, index = self.value(node.value), node.index
+        if isinstance(index, p.Slice):
+            parts = ", ".join("None" if part is None else self.value(part) for part in (index.lower, index.upper, index.step))
+            return f"q.part(S, {self.constant(node)}, {container}, {parts})"
+        return f"q.item(S, {self.constant(node)}, {container}, {self.value(index)})"
+
+    def iterable(self, node: Node) -> str:
+        """What a loop goes through: rows of `zip` and `enumerate` need not be made by the machine, since nobody else asks for them."""
+        match node:
+            case p.Call(function=p.Name() as function, keywords=()) if self.is_translated_call(node) and node.arguments:
+                f, arguments = self.temporary(), "".join(f"{self.carried(a)}, " for a in node.arguments)
+                return self.without_origin(f"q.rows(S, {self.constant(node)}, ({f} := {self.carried(function)}), ({arguments}))")
+            case _:
+                return self.value(node)
 
     def literal(self, found: object) -> str:
         """A constant: the very value of the syntax tree, which `is` tells from equal ones."""

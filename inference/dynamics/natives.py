@@ -20,8 +20,8 @@ from ...semantics.kernel.kinds import is_object, is_oriented
 from ...semantics.kernel.queries import Clock
 from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING
-from ...semantics.kernel.values import Instance, Random, plain, wrap
-from ...semantics.python.library import GIVEN
+from ...semantics.kernel.values import Bound, Instance, Random, plain, wrap
+from ...semantics.python.library import BUILTIN, GIVEN
 from ...semantics.python.library import METHODS as OURS
 from ...semantics.python.specials import SPECIAL_VALUES
 from ...semantics.scenes.operations import select
@@ -34,6 +34,9 @@ from ...simulators.worlds.driving.arguments import check_arguments
 
 SLOWLY: Any = object()
 NUMBERS = frozenset({int, float})
+FLOATS = frozenset({float})
+SHORT = 1_000
+"""Elements of lists that are gone through without a word to the run's budget."""
 SMALL = 1 << 62
 KNOWN = frozenset({float, int, bool, NoneType, Vector, str})
 """Types of arguments and values that host code is given and gives as they are."""
@@ -145,6 +148,8 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
             return SLOWLY
         if NUMBERS.issuperset(map(type, arguments)):
             return quick(function, arguments)
+    elif kind is Bound:
+        return total(arguments) if function.function is SUM and not named else SLOWLY
     elif kind is Clock:
         return SLOWLY if arguments or named else function
     elif function is not check_arguments and function is not ISINSTANCE and not (kind is type and issubclass(function, Unchanging)):
@@ -195,8 +200,17 @@ def of_numbers(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 def least_or_most(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """`min(a, b, ...)`, `max(a, b, ...)` of numbers."""
+    """`min(a, b, ...)`, `max(a, b, ...)` of numbers, or of those in a list."""
+    if len(arguments) == 1 and type(arguments[0]) in (list, tuple) and 0 < len(arguments[0]) < SHORT:
+        arguments = tuple(arguments[0])
+        return arguments[0] if len(arguments) == 1 and type(arguments[0]) in NUMBERS else least_or_most(function, arguments)
     return of_numbers(function, arguments) if len(arguments) > 1 else SLOWLY
+
+
+def total(arguments: tuple[Any, ...]) -> Any:
+    """`sum(xs)` of numbers."""
+    numbers = arguments[0] if len(arguments) == 1 and type(arguments[0]) in (list, tuple) else ()
+    return sum(numbers) if 0 < len(numbers) < SHORT and FLOATS.issuperset(map(type, numbers)) else SLOWLY
 
 
 def length(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
@@ -224,4 +238,5 @@ BUILTINS: Mapping[Callable[..., object], Callable[[Callable[..., Any], tuple[Any
     ))), of_numbers),
     min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified,
 }  # fmt: skip
+SUM = BUILTIN["sum"].function  # type: ignore[attr-defined]
 ISINSTANCE = SPECIAL_VALUES["isinstance"]

@@ -29,7 +29,7 @@ from .natives import METHODS, NUMBERS, OPEN, QUANTIFIERS
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
     "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "QUANTIFIERS": QUANTIFIERS, "Raised": Raised,
-    "CLASSES": frozenset({ScenicClass, Random}), "Vector": Vector, "OPEN": OPEN, "METHODS": METHODS,
+    "CLASSES": frozenset({ScenicClass, Random}), "Vector": Vector, "OPEN": OPEN, "METHODS": METHODS, "SEQUENCES": frozenset({list, tuple}),
 }  # fmt: skip
 """What every source may refer to."""
 
@@ -93,12 +93,24 @@ class Statements(Expressions):
             self.line(f"q.reduced(S, {self.constant(node)})")
 
     def assignment(self, node: s.Assignment) -> None:
-        """σ[x / v] for a variable of the coroutine's own; other targets are bound by the machine."""
-        target = node.targets[0]
+        """σ[x / v] for variables of the coroutine's own, and attributes of the program's instances; other targets are bound by the machine."""
+        target, k = node.targets[0], self.constant(node)
         if len(node.targets) == 1 and isinstance(target, p.Name) and self.is_own(target.name):
             self.line(f"B[{target.name!r}] = {self.carried(node.value)}")
+            return
+        t = self.temporary()
+        self.line(f"{t} = {self.carried(node.value)}")
+        if len(node.targets) == 1 and isinstance(target, p.Attribute):
+            self.line(f"q.assign_attribute(S, {k}, {t}, {self.value(target.value)})")
+            return
+        items = target.items if len(node.targets) == 1 and isinstance(target, (p.TupleDisplay, p.ListDisplay)) else ()
+        names = [item.name for item in items if isinstance(item, p.Name) and self.is_own(item.name)]
+        if items and len(names) == len(items):
+            bound = "".join(f"B[{name!r}], " for name in names)
+            self.line(f"if type({t}) in SEQUENCES and len({t}) == {len(items)}: {bound}= {t}")
+            self.line(f"else: q.assigned(S, {k}, {t})")
         else:
-            self.line(f"q.reduced(S, {self.constant(node)})")
+            self.line(f"q.assigned(S, {k}, {t})")
 
     def is_own(self, name: str) -> bool:
         """Whether a variable belongs to the coroutine, and to nobody else."""
@@ -134,7 +146,7 @@ class Statements(Expressions):
 
     def for_(self, node: s.For) -> None:
         """`for x in I: ...`."""
-        t, source = self.temporary(), self.value(node.iterable)
+        t, source = self.temporary(), self.iterable(node.iterable)
         self.line(f"for {t} in q.elements(S, {self.constant(node.iterable)}, {source}):")
         if isinstance(node.target, p.Name) and self.is_own(node.target.name):
             self.line(f"    B[{node.target.name!r}] = {t}")

@@ -20,7 +20,7 @@ behavior B():
 ego = Object at (Range(0, 1), 0), with behavior B
 Object at (Range(5, 6), 0), with velocity (1, 0)
 """
-ODD = "behavior B:\n    for a, b in [(1, 2)]:\n        take a\nego = Object with behavior B\n"
+ODD = "behavior B:\n    param x = 1\n    take 1\nego = Object with behavior B\n"
 """Its loop has no translation."""
 FAILS = "behavior B():\n    take 1 / (Uniform(0, 1, 1, 1, 1, 1, 1, 1) + 0)\nego = Object at (0, 0), with behavior B"
 

@@ -323,6 +323,42 @@ behavior B:
     take f(3)
 ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
 """,
+    "what is stored and read": """
+xs = [Range(0, 1), Uniform(4, 5), 3]
+class Box(object):
+    kind = 'box'
+    def __init__(self, v):
+        self.v, self.w = v, [v]
+        self.kind = self.kind + '!'
+    @property
+    def twice(self):
+        return self.v * 2
+    def __getattr__(self, name):
+        return name
+class Plain(object):
+    pass
+def f():
+    b, p = Box(3), Plain()
+    b.v = 5
+    b.w[0] = p.x = 7
+    b.u = b.w[-1:] + [1, 2, 3][::2]
+    (q, r), *s = (1, 2), 3, 4
+    q, r = r, q
+    try:
+        b.twice = 9
+    except AttributeError as problem:
+        q = type(problem).__name__
+    return b.v, b.w, b.u, b.kind, b.twice, b.nothing, p.x, q, r, s, xs[0:2][1], 2.0 ** 3, (-2.0) ** 2, (-2.0) ** -3, 0.0 ** 2
+def g():
+    y = xs[1]
+    found = [(i, a, b) for i, (a, b) in enumerate(zip([1, 2], (3, 4)))]
+    for a, b in zip(range(2), [5, 6]):
+        found.append(a + b)
+    return resample(y), found, sum([0.5, 0.25]), sum([1, 2]), max([1.5, 2.5]), min([4])
+behavior B:
+    take f(), g()
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""",
     "names that are not there": """
 def f():
     try:

@@ -70,7 +70,7 @@ WRONG = {
     "any looks at all": (Calls.quantified, "try:\n        for", "try:\n        found = list(found)\n        for"),
     "all is any": (Calls.quantified, "wanted = function is any", "wanted = True"),
     "elements are taken once": (Calls.elements, "return iterable", "return tuple(iterable)"),
-    "an item from the other end": (Calls.item, "subject[index])", "subject[-index])"),
+    "an item from the other end": (Calls.item, "return subject[index]", "return subject[-index]"),
     "draws are not counted": (
         Equations.concluded, "self.state, self.draws = outcome.config.state, outcome.config.state.draws", "self.state = outcome.config.state"
     ),

@@ -28,7 +28,8 @@ def noted(x):
     order.append(x)
     return x
 
-sorted([a, b, a + b], key=noted)
+noted(a)
+sorted([a, b, a + b], key=lambda x: x + len(order))
 Object at (10 + low, high), facing F, with tag order
 """
 MEETING = "from meeting import meet\nego = Object at Range(0, 1) @ 0\nparam x = meet(lambda: ego.position.x)\n"
