@@ -7,6 +7,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from functools import cache
+from pathlib import Path
 
 import pytest
 import scenic_ref
@@ -23,6 +24,7 @@ from .compared import differences, said
 from .functions_at_random import functional_program
 from .functions_by_hand import ERRORS, FUNCTIONS, LEFT
 
+ROOT = Path(__file__).parents[2]
 SEED = 40
 
 BEHAVIOR = "behavior B:\n    {}\nego = Object with behavior B, with x Uniform(1, 2), with name 'ego'\n"
@@ -186,3 +188,9 @@ def test_what_is_no_matter_of_programs_is_not_read() -> None:
     for name in ("network", "polygon", "left", "by_uid", "__dict__", "__class__", "scenic_names", "strips", "_tree", "near"):
         assert natives.attribute(lane, name) is natives.SLOWLY or may_ask(lane, name), name
         assert (Lane, name) not in natives.OPEN or may_ask(lane, name), name
+
+
+def test_a_driving_program_of_many_functions_runs_compiled_altogether() -> None:
+    scenario = scenic_ref.load(ROOT / "benchmarks" / "many_functions.scenic")
+    assert not list(differences(scenario, range(2), "kinematic", 25))
+    assert not (scenario.compiled.functions_left or scenario.compiled.left or scenario.compiled.wholes)
