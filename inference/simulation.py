@@ -16,7 +16,7 @@ from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Requirement
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed, simulate_once
+from ..simulators.simulating import Failed, Settled, simulate_once
 from .dynamics.code import Library
 from .dynamics.leaving import LeftToMachine
 from .dynamics.policy import CompiledPolicy
@@ -52,13 +52,14 @@ def sample_simulation(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
     fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
     on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None,
-    next_scene: SceneFinder | None = None,
+    next_scene: SceneFinder | None = None, settled: Settled | None = None,
 ) -> SampledRun:  # fmt: skip
     """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
 
     Behaviors run compiled where there is a `library` for them, else by the machine; the simulations are the same.
     `on_attempt` is told how many attempts failed so far, `on_failed` of each. With `retry`, a scene keeps its numbers while its simulations are
-    rejected, up to `RETRIES` times. After `PATIENCE` attempts without a scene `next_scene` is asked which attempt gives the next one.
+    rejected, up to `RETRIES` times; each ends where its outcome is `settled`. After `PATIENCE` attempts without a scene `next_scene` is asked which
+    attempt gives the next one.
     """
     stuck: Counter[Failed] = Counter()
 
@@ -70,7 +71,7 @@ def sample_simulation(
             on_failed(failed)
 
     tried = attempts_at(
-        start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed, library=library, next_scene=next_scene
+        start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed, library=library, next_scene=next_scene, settled=settled
     )  # fmt: skip
     for attempt, found, drawn in tried:
         if isinstance(found, Simulated):
@@ -95,6 +96,7 @@ def sample_simulation(
 def attempts_at(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, fuel: int = DEFAULT_FUEL, retry: bool = False,
     witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None, next_scene: SceneFinder | None = None,
+    settled: Settled | None = None,
 ) -> Iterator[tuple[int, Simulated | Failed | NextScene, bool]]:  # fmt: skip
     """One run of simulation number `index` after the other, without end: its number, and whether anything was drawn in it.
 
@@ -117,7 +119,7 @@ def attempts_at(
 
         witness = None if witnessed is None else witnessed(attempt)
         chooser, drawn = counting(from_stream(seed, index, number))
-        simulate = partial(simulate_once, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness)
+        simulate = partial(simulate_once, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness, settled=settled)
         found = compiled(simulate, begin, chooser, simulator, steps, library if witness is None else None, fuel)
         yield attempt, found, bool(drawn)
         without = without + 1 if isinstance(found, Failed) and found.step is None else 0

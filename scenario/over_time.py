@@ -17,7 +17,7 @@ from ..interpreter.running import Witness
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed
+from ..simulators.simulating import Failed, Settled
 from .checking import check_whole
 from .simulating import SimulationBackend, SimulationRange, Told, check_simulation_backend, replayed, simulate_many
 
@@ -46,13 +46,17 @@ class OverTime:
         self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
         on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
-        backend: SimulationBackend = "compiled",
+        backend: SimulationBackend = "compiled", settled: Settled | None = None,
     ) -> SampledRun:  # fmt: skip
         """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
 
         `simulator` is one of `simulators.SIMULATORS` by name, or "package.module:Class" (`timestep`, in seconds, is then that of the simulation),
         or a simulator itself. The `backend` "compiled" runs behaviors as Python code, where that can be, "interpreter" by the machine; the
         simulations are the same.
+
+        `settled` is shown each time step (a `Moment`: poses, actions, events) when it has passed; a text that it gives ends the simulation in the
+        next one, with the result "settled" and the text as its reason, if nothing else ends it. Requirements over time are judged as they stand
+        then.
         """
         check_simulation_backend(backend)
         check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
@@ -62,7 +66,7 @@ class OverTime:
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
             library=self.compiled if backend == "compiled" else None,
-            next_scene=lambda first: self.next_scene(seed, index, first, max_attempts),
+            next_scene=lambda first: self.next_scene(seed, index, first, max_attempts), settled=settled,
         )  # fmt: skip
 
     def next_scene(self, seed: int, index: int, first: int, max_attempts: int) -> NextScene | None:

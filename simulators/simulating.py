@@ -33,8 +33,12 @@ from .worlds.driving import MAP
 
 OF_SIMULATOR = "simulator"
 """The kind of what a run fails that a simulator rejects: no condition of the program."""
-TERMINATED, LIMIT, ENDED = "terminated", "time limit", "ended by the simulator"
+TERMINATED, LIMIT, ENDED, SETTLED = "terminated", "time limit", "ended by the simulator", "settled"
 """The results of a simulation."""
+
+
+Settled = Callable[[Moment], str]
+"""Is shown each time step when it has passed; what it says, if anything, is why the outcome of the simulation is settled, which ends then."""
 
 
 class Failed(NamedTuple):
@@ -102,11 +106,12 @@ class MachinePolicy:
 def simulate_once(
     config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
     tried: int | None = None, fuel: int = DEFAULT_FUEL, witness: Witness | None = None, by: PolicyMaker | None = None,
+    settled: Settled | None = None,
 ) -> Simulated | Failed:  # fmt: skip
     """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`.
 
     `attempt` is the scene's, `tried` that of the simulation, from which the simulator's seed follows; they differ where a scene is kept. The policy
-    is the machine's, or is made `by` something else.
+    is the machine's, or is made `by` something else. The run ends early where its outcome is `settled`.
     """
     check_usable(simulator)
     generated, _ = drive(config, choose, fuel=fuel, witness=witness)
@@ -116,11 +121,12 @@ def simulate_once(
     scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
     with in_use(simulator):
         chance = simulator_seed(seed, index, attempt if tried is None else tried)
-        return simulated(scene, generated.state, by or partial(MachinePolicy, choose, fuel), simulator, steps, chance, witness)
+        return simulated(scene, generated.state, by or partial(MachinePolicy, choose, fuel), simulator, steps, chance, witness, settled)
 
 
 def simulated(
-    scene: Scene, generated: State, make: PolicyMaker, simulator: Simulator, steps: int, chance: int, witness: Witness | None
+    scene: Scene, generated: State, make: PolicyMaker, simulator: Simulator, steps: int, chance: int, witness: Witness | None,
+    settled: Settled | None = None,
 ) -> Simulated | Failed:
     """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does.
 
@@ -139,7 +145,7 @@ def simulated(
     except RejectRun as problem:
         return rejected(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
-    ended = ""
+    ended, is_settled = "", False
     shown: tuple[Instance, ...] = ()
     ids: dict[int, int] = {}
     same = False  # whether objects have the same numbers in the scene as among all instances
@@ -156,7 +162,8 @@ def simulated(
             made += new_bodies(outcome.state, len(made))
             moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
             recorded = simulation_of(outcome.state).recorded
-            result = TERMINATED if simulation_of(outcome.state).flag else ENDED if ended else LIMIT
+            otherwise = SETTLED if is_settled else ENDED if ended else LIMIT
+            result = TERMINATED if simulation_of(outcome.state).flag else otherwise
             return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
         state = outcome.state
         if state.scene is not shown:
@@ -175,6 +182,9 @@ def simulated(
             return rejected(problem, number)
         doings = chosen.doing(state) if same else {ids[n]: text for n, text in chosen.doing(state).items()}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
+        if settled is not None and not ended:
+            ended = settled(moments[-1])
+            is_settled = bool(ended)
         state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")
 

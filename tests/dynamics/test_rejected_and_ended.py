@@ -7,7 +7,7 @@ import random
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.recordings import to_line
+from scenic_ref.formats.recordings import Moment, to_line
 from scenic_ref.interpreter.streams import simulator_seed
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from scenic_ref.semantics.space.vectors import Vector
@@ -327,3 +327,33 @@ def test_a_replay_may_end_before_the_recording():
     assert (replayed.result, replayed.reason, len(replayed.moments)) == ("ended by the simulator", "that was all", 3)
     assert replayed.moments[1].events == ("crash",)
     assert scenario.replay(record, ending(9)).result == "time limit"
+
+
+@pytest.mark.parametrize("backend", ["compiled", "interpreter"])
+def test_a_simulation_ends_where_its_outcome_is_settled(backend: str) -> None:
+    scenario = scenic_ref.loads(
+        "behavior B:\n    for i in range(20):\n        take Uniform(1, 2, 3)\nego = Object with behavior B\nrecord simulation.currentTime as t\n",
+        dialect="scenic-2.1",
+    )
+    seen: list[int] = []
+
+    def settled(moment: Moment) -> str:
+        seen.append(moment.step)
+        return "a three was taken" if moment.actions[0] == (3,) else ""
+
+    run = scenario.simulate(steps=15, seed=4, settled=settled, backend=backend).simulation  # type: ignore[arg-type]
+    whole = scenario.simulate(steps=15, seed=4, backend=backend).simulation  # type: ignore[arg-type]
+    first = next(moment.step for moment in whole.moments if moment.actions[0] == (3,))
+    assert (run.result, run.reason, len(run.moments)) == ("settled", "a three was taken", first + 2)
+    assert run.moments[: first + 1] == whole.moments[: first + 1]
+    assert seen == list(range(first + 1))
+    assert to_line(scenario.simulate(steps=15, seed=4, settled=lambda moment: "").simulation, 1) == to_line(whole, 1)
+
+
+def test_what_the_program_ends_is_not_settled() -> None:
+    scenario = scenic_ref.loads("behavior B:\n    take 1\n    take 2\n    terminate\nego = Object with behavior B\n")
+    run = scenario.simulate(steps=9, settled=lambda moment: "over" if moment.step == 2 else "").simulation
+    assert run.result == "terminated"
+    failing = scenic_ref.loads("ego = Object\nrequire eventually simulation.currentTime > 5\n")
+    with pytest.raises(AttemptsExhausted):
+        failing.simulate(steps=9, settled=lambda moment: "over", max_attempts=1)
