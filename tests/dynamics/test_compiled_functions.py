@@ -191,6 +191,6 @@ def test_what_is_no_matter_of_programs_is_not_read() -> None:
 
 
 def test_a_driving_program_of_many_functions_runs_compiled_altogether() -> None:
-    scenario = scenic_ref.load(ROOT / "benchmarks" / "many_functions.scenic")
+    scenario = scenic_ref.load(ROOT / "examples" / "many_functions.scenic")
     assert not list(differences(scenario, range(2), "kinematic", 25))
     assert not (scenario.compiled.functions_left or scenario.compiled.left or scenario.compiled.wholes)
