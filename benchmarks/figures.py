@@ -159,6 +159,7 @@ class Figures:
     def json(self, options: Mapping[str, object]) -> dict[str, object]:
         """All of it, with the machine that it was measured on."""
         cells = [cell.json() | {"ratio": rounded(self.ratio(cell))} | (w.json() if (w := self.writing(cell)) else {}) for cell in self.cells]
+        cells = [{name.replace("scenes", self.what): value for name, value in cell.items()} for cell in cells]
         return {
             "schema": SCHEMA, "versions": versions(), "machine": machine(), "load": self.load, "options": dict(options),
             "interrupted": self.interrupted, "ratios to": self.standard, "counted": self.what,

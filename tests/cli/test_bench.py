@@ -94,6 +94,26 @@ def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: As
     assert cells["prints", "interpreter"]["scenes per second"]["median"] > 0
 
 
+DRIVING = "behavior B():\n    while True:\n        wait\nego = Object with behavior B\nrequire always simulation.currentTime < 100\n"
+
+
+@pytest.mark.slow
+def test_time_steps_of_simulations_are_measured(ask: Ask, fake: Path, tmp_path: Path):
+    lines = fake.read_text().splitlines()
+    fake.write_text("\n".join("assert world == '30'" if "open(world)" in line else line for line in lines) + "\n")
+    (tmp_path / "drive.scenic").write_text(DRIVING)
+    arguments = ("--simulate", "--steps", "30", "--against", f"scenic==3.9.9={fake}", "--json", "out.json", "--plot", "out.png")
+    answer = ask("bench", "drive.scenic", *QUICK, *arguments)
+    assert answer.code == 0, answer.err
+    data, cells = json.loads((tmp_path / "out.json").read_text()), cells_of(tmp_path / "out.json")
+    assert [name for _, name in cells] == ["interpreter", "compiled", "scenic==3.9.9"]
+    assert (data["counted"], data["options"]["steps"]) == ("time steps", 30)
+    assert cells["drive", "scenic==3.9.9"]["time steps per second"]["median"] == 5.0
+    assert cells["drive", "compiled"]["ratio"] > 2 * cells["drive", "interpreter"]["ratio"] > 0
+    assert all(sample["scenes"] % 30 == 0 for sample in cells["drive", "compiled"]["samples"])
+    assert "time steps/s" in answer.out and "numba" not in answer.err
+
+
 def test_a_program_of_which_nothing_can_be_measured_is_a_failure(ask: Ask, tmp_path: Path):
     (tmp_path / "brök en.scenic").write_text("ego = (\n")
     answer = ask("bench", "brök en.scenic", *QUICK, "--end-to-end", "--format", "csv")
@@ -125,6 +145,8 @@ def test_wrong_usage_is_told_before_anything_is_measured(ask: Ask, fake: Path, t
         ((), "there is nothing to measure"),
         (("nosuch.scenic",), "there is no file nosuch.scenic"),
         (("ok.scenic", "--seconds", "0"), "--seconds must be a positive number"),
+        (("ok.scenic", "--simulate", "--prune"), "--simulate measures programs, and goes with none of"),
+        (("ok.scenic", "--simulate", "--steps", "0"), "--steps"),
         (("ok.scenic", "--against", "scenic=3.1.1"), "--against expects NAME==VERSION=PYTHON"),
         (("ok.scenic", "--against", "other==1=/bin/sh"), "--against knows how to measure scenic only"),
         (("ok.scenic", "--against", "scenic==3.1.1=/no/such/python"), "/no/such/python is not a program that can be run"),

@@ -13,10 +13,10 @@ import pickle
 import platform
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import llvmlite
 import numba
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
@@ -31,7 +31,7 @@ MOST, MOST_BYTES = 512, 1 << 29
 
 def code_there() -> bytes:
     """All code that may be compiled, or built into what is, with the versions of Python and of the compiler; empty if it cannot be told."""
-    versions = f"{sys.version} {platform.machine()} {numba.__version__} {llvmlite.__version__}"
+    versions = f"{sys.version} {platform.machine()} {numba.__version__} {version('llvmlite')}"
     return digest_of_code(("inference", "semantics", "interpreter"), versions)
 
 

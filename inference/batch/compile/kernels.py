@@ -11,10 +11,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import llvmlite.binding
 import numba
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import get_cython_function_address, intrinsic
@@ -46,7 +45,7 @@ def from_libm(name: str, arguments: int) -> Callable[..., float]:
 def from_scipy(name: str) -> Callable[..., float]:
     """A function of one number of scipy.special, the one behind its ufunc."""
     symbol = f"scenic_ref_{name}"
-    llvmlite.binding.add_symbol(symbol, get_cython_function_address("scipy.special.cython_special", name))
+    binding.add_symbol(symbol, get_cython_function_address("scipy.special.cython_special", name))
     return types.ExternalFunction(symbol, types.float64(types.float64))
 
 
