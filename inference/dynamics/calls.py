@@ -74,15 +74,19 @@ class Calls(Equations):
                 return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
             finally:
                 self.library.nanoseconds[name_of(function)] += time.thread_time_ns() - begun
-        bindings = None if self.calls >= MOST_CALLS else code.bindings(function, arguments, names, named)
-        if bindings is None:
+        calls, known = self.calls, code.names
+        if calls >= MOST_CALLS:
+            return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
+        if known is not None and len(arguments) == len(known) and not names:
+            bindings = dict(zip(known, arguments))
+        elif (bindings := code.bindings(function, arguments, names, named)) is None:
             return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
         self.turn(code.size)
-        self.calls += 1
+        self.calls = calls + 1
         try:
-            return code.run(self, Scope("function", function.scope, function.names, bindings))
+            return code.run(self, Scope.of_call(function.scope, function.names, bindings))
         finally:
-            self.calls -= 1
+            self.calls = calls
 
     def function(self, scope: Scope, node: p.Lambda) -> Function:
         """⟨lambda x: E, σ⟩ → the function x ↦ E that closes over σ."""
@@ -99,7 +103,7 @@ class Calls(Equations):
         self.choose, self.price = refused, OF_HOST
         self.calls += 1
         try:
-            result = code.run(self, Scope("function", function.scope, function.names, bindings))
+            result = code.run(self, Scope.of_call(function.scope, function.names, bindings))
         except Raised as raised:
             raise Raised(Abrupt("raise", raised.abrupt.value, node.span)) from raised
         finally:
@@ -116,16 +120,16 @@ class Calls(Equations):
     def attribute(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
         """⟨E.name⟩ of anything but a property that an instance has; `name` is the canonical one."""
         kind = type(subject)
-        if kind is Clock and name in CLOCK:  # that is what it is on roads, too
+        if kind is Module:
+            found = subject.scope.bindings.get(node.name, SLOWLY)
+        elif kind is Clock and name in CLOCK:  # that is what it is on roads, too
             return attribute_of_clock(name, node, self.state)
-        found = SLOWLY
-        if kind is Instance:
+        elif kind is Instance:
+            found = SLOWLY
             member = None if name in self.state.objects[subject.number] else subject.class_.method(node.name)
             getter: Any = member.fget if type(member) is property else None
             if type(getter) is Function:
                 found = self.property(subject, node, getter)
-        elif kind is Module:
-            found = subject.scope.bindings.get(node.name, SLOWLY)
         elif is_user_made(subject):
             found = self.own_attribute(subject, node)
         else:
@@ -163,10 +167,11 @@ class Calls(Equations):
 
     def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
         """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
-        if type(function) is Random:
-            function = function.value
         kind = type(function)
-        names = tuple(str(k.name) for k in node.keywords) if named else NO_NAMES
+        if kind is Random:
+            function = function.value
+            kind = type(function)
+        names = tuple([str(k.name) for k in node.keywords]) if named else NO_NAMES
         if kind is Function:
             return self.applied(scope, node, function, arguments, names, named)
         if kind is Method and type(function.function) is Function:

@@ -147,10 +147,7 @@ class Expressions:
             self.line(f"for {element} in q.elements(S, {self.constant(clause.iterable)}, {items}):")
             self.indent += 1
             self.line(f"q.turn({size})")
-            if isinstance(clause.target, p.Name):
-                self.line(f"{variables}[{clause.target.name!r}] = {element}")
-            else:
-                self.line(f"q.bind(S, {self.constant(clause.target)}, {element})")
+            self.bound(clause.target, variables, names, element)
             for condition in clause.conditions:
                 self.line(f"if not {self.truth(condition)}: continue")
         shown = self.value(node.element) if node.key is None else f"({self.value(node.key)}, {self.value(node.element)})"
@@ -307,6 +304,19 @@ class Expressions:
     def is_translated_call(self, node: p.Call) -> bool:
         """Whether all arguments are given one by one."""
         return not any(isinstance(a, p.Starred) for a in node.arguments) and all(k.name is not None for k in node.keywords)
+
+    def bound(self, target: Node, variables: str, names: Names, element: str) -> None:
+        """σ[x / v] for the variables of a loop, which are those of a scope with these `names`, or belong to others."""
+        items = (target,) if isinstance(target, p.Name) else target.items if isinstance(target, (p.TupleDisplay, p.ListDisplay)) else ()
+        own = [item.name for item in items if isinstance(item, p.Name) and item.name in names.local and item.name not in SHARED]
+        if not items or len(own) < len(items):
+            self.line(f"q.bind(S, {self.constant(target)}, {element})")
+        elif isinstance(target, p.Name):
+            self.line(f"{variables}[{target.name!r}] = {element}")
+        else:
+            self.line(f"if type({element}) in SEQUENCES and len({element}) == {len(own)}:")
+            self.line(f"    {''.join(f'{variables}[{name!r}], ' for name in own)}= {element}")
+            self.line(f"else: q.bind(S, {self.constant(target)}, {element})")
 
     def call(self, node: p.Call, *, once: bool = False) -> str:
         """A call, whose value keeps what it was drawn from; that of an action's class with plain arguments stands in the source itself.

@@ -148,10 +148,9 @@ class Statements(Expressions):
         """`for x in I: ...`."""
         t, source = self.temporary(), self.iterable(node.iterable)
         self.line(f"for {t} in q.elements(S, {self.constant(node.iterable)}, {source}):")
-        if isinstance(node.target, p.Name) and self.is_own(node.target.name):
-            self.line(f"    B[{node.target.name!r}] = {t}")
-        else:
-            self.line(f"    q.bind(S, {self.constant(node.target)}, {t})")
+        self.indent += 1
+        self.bound(node.target, "B", self.names, t)
+        self.indent -= 1
         self.loop(node)
 
     def loop(self, node: s.While | s.For) -> None:

@@ -52,6 +52,14 @@ class Scope:
         self.package = package
         self.bindings: dict[str, object] = {} if bindings is None else bindings
 
+    @classmethod
+    def of_call(cls, around: Scope, names: Names, bindings: dict[str, object]) -> Scope:
+        """That of a function which runs: as `Scope("function", around, names, bindings)`."""
+        scope = cls.__new__(cls)
+        scope.kind, scope.parent, scope.versions, scope.package = "function", around, around.versions, "."
+        scope.names, scope.bindings = names, bindings
+        return scope
+
     def lookup(self, name: str) -> object:
         """The value of `name`, or MISSING. A function's own names shadow outer ones even before they are bound."""
         scope: Scope | None = self

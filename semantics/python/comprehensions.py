@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from ..kernel.conditions import truth
 from ..kernel.config import Config, Stack, State, reduce, value
 from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import Scope, function_names, target_names
+from ..kernel.scopes import ByIdentity, Names, Scope, function_names, target_names
 from ..kernel.sets import Set
 from ..syntax import python_expressions as p
 from .assignment import bind_target
@@ -35,8 +36,15 @@ def comprehension(node: p.Comprehension, stack: Stack, state: State) -> Outcome:
 
 def inner_scope(node: p.Comprehension, outer: Scope) -> Scope:
     """The comprehension's own scope."""
+    return Scope("comprehension", outer, inner_names(ByIdentity(node)))
+
+
+@lru_cache(maxsize=65536)
+def inner_names(key: ByIdentity) -> Names:
+    """The names of a comprehension's own scope: the variables of its clauses."""
+    node: p.Comprehension = key.node  # type: ignore[assignment]
     names = frozenset(n for clause in node.clauses for n in target_names(clause.target))
-    return Scope("comprehension", outer, function_names(node)._replace(local=names))
+    return function_names(node)._replace(local=names)
 
 
 def resume_comprehension(frame: Comprehending, result: object, stack: Stack, state: State) -> Outcome:
