@@ -144,7 +144,8 @@ class Calls(Equations):
         member = class_member(type(subject), name)
         if isinstance(member, property):
             getter: Any = member.fget
-            return self.property(subject, node, getter) if type(getter) is Function else SLOWLY
+            known = type(getter) is Function and class_member(type(subject), "__getattr__") is None
+            return self.property(subject, node, getter) if known else SLOWLY
         own = getattr(subject, "__dict__", NOTHING)
         if type(own) is dict and name in own and not hasattr(type(member), "__set__"):
             return own[name]

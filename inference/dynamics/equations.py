@@ -98,7 +98,9 @@ class Equations:
 
     def here(self, scope: Scope) -> State:
         """The state in which the coroutine that runs goes on; as many behaviors are inside each other there as may be here at most."""
-        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=MOST_DEPTH + self.calls)
+        version = self.state.version.versions.settled()
+        depth = MOST_DEPTH + self.calls
+        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=depth, version=version)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
         """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""

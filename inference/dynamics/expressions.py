@@ -327,7 +327,7 @@ class Expressions:
             case p.Call(function=p.Name() as function, arguments=(p.Comprehension(kind="generator") as given,), keywords=()):
                 f, k = self.temporary(), self.constant(node)
                 return (
-                    f"(q.quantified(S, {k}, {f}, {self.comprehension(given, lazily=True)}) if ({f} := {self.carried(function)}) in QUANTIFIERS"
+                    f"(q.quantified(S, {k}, {f}, {self.comprehension(given, lazily=True)}) if ({f} := {self.carried(function)}) is ANY or {f} is ALL"
                     f" else q.call(S, {k}, {f}, (q.reduced(S, {self.constant(given)}), )))"
                 )
             case _:
@@ -340,7 +340,7 @@ class Expressions:
             named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
             return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
         f, k = self.temporary(), self.constant(node)
-        function = f"({f} := {self.carried(node.function)}) in ACTIONS"
+        function = f"type({f} := {self.carried(node.function)}) is type and {f} in ACTIONS"
         if once and all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
             known = self.constant({})
             return f"(({known}.get({f}) or q.action({known}, {f}, ({arguments}))) if {function} else q.call(S, {k}, {f}, ({arguments})))"

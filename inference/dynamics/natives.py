@@ -40,7 +40,6 @@ SHORT = 1_000
 SMALL = 1 << 62
 KNOWN = frozenset({float, int, bool, NoneType, Vector, str})
 """Types of arguments and values that host code is given and gives as they are."""
-QUANTIFIERS = (any, all)
 
 
 def is_known(value: object) -> bool:
@@ -220,7 +219,8 @@ def length(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 def quantified(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """`any(xs)`, `all(xs)` of truth values."""
-    known = len(arguments) == 1 and type(arguments[0]) in (list, tuple) and all(type(a) is bool for a in arguments[0])
+    known = len(arguments) == 1 and type(arguments[0]) in (list, tuple) and len(arguments[0]) < SHORT
+    known = known and all(type(a) is bool for a in arguments[0])
     return function(arguments[0]) if known else SLOWLY
 
 

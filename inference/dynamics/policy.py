@@ -85,7 +85,19 @@ class CompiledPolicy(Courses):
 
     @within
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
-        """What happens in a time step, as `policy.policy` says it, in a state whose objects the simulator has updated."""
+        """What happens in a time step, as `policy.policy` says it, in a state whose objects the simulator has updated.
+
+        What compiled code changes in place is noted in one version until the machine goes on with it.
+        """
+        outcome = self.time_step(state, limit)
+        if isinstance(outcome, Stuck) or not outcome.state.version.undo:
+            return outcome
+        return outcome._replace(state=outcome.state.in_version(outcome.state.version.versions.settled()))
+
+    def time_step(self, state: State, limit: str) -> Act | Finish | Stuck:
+        """The same, in the version in which the time step began."""
+        if simulation_of(state).step == 0:
+            state = begun_anew(state)
         active = (TOP,) if self.simple else ()
         simulation = simulation_of(state)
         same = not simulation.flag and simulation.limit == limit and simulation.active == active
@@ -144,7 +156,7 @@ class CompiledPolicy(Courses):
 
     def own(self) -> State:
         """The state in which the policy goes on, where coroutines have left theirs."""
-        return self.state._replace(**self.home)
+        return self.state._replace(**self.home, version=self.state.version.versions.settled())
 
     def by_machine(self, control: Any, number: rules.Step, until: int) -> None:
         """A step of the policy, by the machine; it ends where the one numbered `until` begins."""
@@ -362,11 +374,21 @@ class CompiledPolicy(Courses):
                 found[number] = leaf.doing(node)  # type: ignore[union-attr]
             elif text := doing(agent):
                 found[number] = text
+        if state.version.undo:  # arguments may have changed something when they were written out
+            state.version.versions.go_to(state.version)
         return found
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
         """Where an object has taken its actions: the machine finds the same error, and tells it."""
         raise LeftToMachine("an action that its agent cannot take")
+
+
+def begun_anew(state: State) -> State:
+    """The state in which a simulation begins: nothing stands in memory that an attempt before it has changed."""
+    version = state.version
+    if version.undo:
+        version.versions.go_to(version)
+    return state.in_version(version.versions.begin_anew())
 
 
 def begins(number: int, config: Config) -> bool:

@@ -24,11 +24,11 @@ from ...semantics.syntax.nodes import Expression, Node
 from .equations import ACTION_TYPES, PLAIN, Raised
 from .expressions import Expressions, size_of
 from .leaving import Untranslated
-from .natives import METHODS, NUMBERS, OPEN, QUANTIFIERS
+from .natives import METHODS, NUMBERS, OPEN
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
-    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "QUANTIFIERS": QUANTIFIERS, "Raised": Raised,
+    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "ANY": any, "ALL": all, "Raised": Raised,
     "CLASSES": frozenset({ScenicClass, Random}), "Vector": Vector, "OPEN": OPEN, "METHODS": METHODS, "SEQUENCES": frozenset({list, tuple}),
 }  # fmt: skip
 """What every source may refer to."""
