@@ -140,6 +140,8 @@ def exhausted(message: str, attempts: int, stuck: Counter[Requirement], *, seldo
         hints.append("boxes that only touch also intersect (reading touching); leave a gap, or give one of them allowCollisions True")
     if worst.kind == "visibility" or "can see" in worst.text:
         hints.append("what an object can see is at most 50 metres away, unless it is given another distance")
+    if worst.kind == "field":
+        hints.append("an object outside the field needs a place within it, or a heading of its own (`facing ...`)")
     if seldom and attempts >= SELDOM:
         hints.append("if all requirements hold together, but seldom, try --backend smc, or more --max-attempts")
     error.hint = "; ".join(hints)

@@ -177,6 +177,47 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     ),
     (rf"\b(?P<specifier>{SPECIFIER_START})\s*(?P<here>=)(?!=)", "specifiers take no `=`", r"write `\g<specifier> ...`"),
     (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
+    (
+        r"^\s*terminate\s+(?P<here>if)\b(?!.*\belse\b).*", "the condition of `terminate` begins with `when`", "write `terminate when ...`",
+    ),
+    (
+        r"^\s*do\b.*[\w)\]]\s+(?P<here>while)\s+(?P<c>[^#:]*[^#:\s])", "`do` goes on `until` a condition holds, not `while` it does",
+        r"write `until not (\g<c>)`",
+    ),
+    (
+        r"^\s*(?P<here>precondition|invariant)\s+[^\s:].*", r"a `:` is missing after `\g<here>`", r"write `\g<here>: ...`",
+    ),
+    (
+        r"^\s*(?P<word>model|import)\s+(?P<here>(?P<mark>['\"])(?P<name>[\w.]+)(?P=mark))",
+        "the name of a module stands without quotation marks", r"write `\g<word> \g<name>`",
+    ),
+    (
+        r"^\s*mutate\s(?P<names>[\w\s,]*?)\s*\b(?P<here>\d[\d.]*)\s*(?:#.*)?$", "the amount of noise needs `by`",
+        r"write `mutate \g<names> by \g<here>`",
+    ),
+    (
+        r"\b(?P<here>(?P<which>relative|apparent)\s+heading)\s+(?!of\b)(?P<o>[^\W\d][\w.]*)", r"`\g<which> heading` needs `of`",
+        r"write `\g<which> heading of \g<o>`",
+    ),
+    (
+        r"\b(?P<here>deg)\s*\(\s*(?P<n>[^()]*[^()\s])\s*\)", "`deg` is a unit and stands behind the number", r"write `\g<n> deg`",
+    ),
+    (
+        r"\bfollowing\s+(?P<field>[\w.]+)\s+for\s+(?P<n>[\w.]+(?:\([^()]*\))?)\s+(?P<here>from\s+(?P<o>[^\W\d][\w.]*))",
+        "`from` stands before `for`", r"write `following \g<field> from \g<o> for \g<n>`",
+    ),
+    (
+        r"^\s*wait\s+(?P<here>\d[\d.]*)\s*(?:#.*)?$", "`wait` lets one time step pass, and takes no number",
+        r"write `for i in range(\g<here>):` with `wait` as its block",
+    ),
+    (
+        r"^\s*param\s+[^\W\d]\w*\s*=.*[\w)\]'\"]\s+(?P<here>[^\W\d]\w*)\s*=(?!=)", r"a comma is missing before `\g<here>`",
+        "separate parameters with commas",
+    ),
+    (
+        r"^\s*(?:if|elif|else|while|for|behavior|monitor|scenario|def|class|try|setup|compose)\b.*(?P<here>\{)\s*(?:#.*)?$",
+        "a block begins with `:` and is indented; there are no braces around it", "write `:`, and remove the `}` behind the block",
+    ),
     (r"\b(?:degrees?|degs)\b", "the unit of angles is spelt `deg`", "write `deg`"),
     (r"\b(?:secs?|second)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
     (rf"\b(?:for|after|every)\s+{AMOUNT}\s*(?P<here>s)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
@@ -218,7 +259,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
         r"(?P<what>[\w.]+)\s+(?P<here>can\s+be\s+seen)\b(?:\s+(?:by|from)\s+(?P<who>\w+))?",
         "`can be seen` is not an operator", r"the one that sees stands first: write `ego can see \g<what>`",
     ),
-    (r"(?<=[\w)\]])\s+(?P<here>can\s+(?!see\b)se\w{0,3})\b", r"`\g<here>` is not an operator", "write `can see`"),
+    (r"(?<=[\w)\]])\s+(?P<here>can\s+(?!see\b)se\w{0,3}|sees)\b", r"`\g<here>` is not an operator", "write `can see`"),
     (r"\b(?P<here>(?P<first>left|right|ahead|front|back)of)\b\s*", r"`\g<here>` is two words", r"write `\g<first> of`"),
     (r"\b(?P<here>distance|angle)\s+(?!(?:from|to|of|past)\b)[\w(]\S*", r"`\g<here>` needs `from` or `to`", r"write `\g<here> from ... to ...`"),
     (r"\(\s*-?[\d.]+\s+(?P<here>-?[\d.]+)\s*\)", "a comma is missing between two numbers", "write `(x, y)`"),

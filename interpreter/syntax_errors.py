@@ -15,6 +15,7 @@ from .tree_builder import TextOrigin
 
 EXPECTED_LIMIT = 8
 WORD = re.compile(r"[^\W\d]\w*|\d[\w.]*|\S")
+BLOCK_WORD = re.compile(r"\s*(setup|compose|try|else|finally|precondition|invariant)\s*(?:#.*)?$")
 BRACKET_OR_TEXT = re.compile(
     r"#[^\n]*|\"\"\"(?:[^\\]|\\[\s\S])*?\"\"\"|'''(?:[^\\]|\\[\s\S])*?'''|\"(?:[^\"\\\n]|\\[\s\S])*\"|'(?:[^'\\\n]|\\[\s\S])*'|[()\[\]{}]"
 )
@@ -69,6 +70,10 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released
     if isinstance(fault, UnexpectedCharacters) and re.match(r"(?i)(?:[rbuf]{0,2})['\"]", text[column - 1 :]):
         return ParseError("this string is not terminated", span, hint="end it with the quotation mark it began with")
     kind = fault.token.type if isinstance(fault, UnexpectedToken) else ""
+    bare = BLOCK_WORD.match(lines[line - 2]) if kind == "_INDENT" and line > 1 else None
+    if bare is not None:
+        place = origin.written(line - 1, bare.end(1) + 1, line - 1, bare.end(1) + 2)
+        return ParseError("a `:` is missing at the end of the line", place, hint=f"write `{bare[1]}:`")
     if kind == "_INDENT":
         return specifiers_without_comma(lines[: line - 1], text, origin) or ParseError(
             "unexpected indentation", span, hint="align the line with the one before"

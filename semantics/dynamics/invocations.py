@@ -40,6 +40,8 @@ def with_arguments(value: object, node: Node, state: State) -> Dynamic:
         if has_kind(found, SCALAR):
             name = "B" if state.sigma.lookup("FollowLaneBehavior") is MISSING else "FollowLaneBehavior"
             hint = f"write a call, such as `do {name}({node.name if isinstance(node, Name) else '...'})`"
+        elif isinstance(found, (list, tuple)):
+            hint = "list them without brackets, as in `do A, B` or `do choose A, B`"
         raise RunError(f"`do` invokes behaviors and scenarios, not {kind_name(found)}", node.span, rule="D-Do", hint=hint)
     return found if found.arguments is not None else invocation(found, (), {})
 

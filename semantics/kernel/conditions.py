@@ -134,7 +134,8 @@ def holding(result: object, span: Span, state: State, what: str, rule: str) -> o
     any_truth = state.reading("condition-truth") == "any" and not isinstance(inner, DEFINITIONS)
     holds = truth_of(result, state) if any_truth or (is_user_made(inner) and not isinstance(inner, type)) else inner
     if not is_truth(holds):
-        raise RunError(f"{what} must be a boolean, not {kind_name(result)}", span, rule=rule, hint="compare it with something")
+        hint = "write the condition without quotation marks" if isinstance(inner, str) else "compare it with something"
+        raise RunError(f"{what} must be a boolean, not {kind_name(result)}", span, rule=rule, hint=hint)
     return holds
 
 

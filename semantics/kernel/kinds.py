@@ -434,7 +434,7 @@ def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, ru
             hint = "for one of its elements write `Uniform(*values)`"
             raise RunError(f"{what} stands between two numbers, not beside a list", span, rule=rule, hint=hint)
         if isinstance(operand, (tuple, list)) and len(operand) == 3 and all(map(is_scalar, operand)):
-            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint=third_left_out(operand))
+            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint=third_left_out(operand, what))
 
 
 def in_the_plane(value: object, state: State) -> object:
@@ -446,8 +446,10 @@ def in_the_plane(value: object, state: State) -> object:
     return type(value)(value[:2]) if flat and all(is_scalar(plain(v)) for v in value[:2]) else value
 
 
-def third_left_out(operand: object) -> str:
-    """What to do about three coordinates."""
+def third_left_out(operand: object, what: str) -> str:
+    """What to do about three numbers: coordinates, or the angles of an orientation."""
+    if what == "`facing`":
+        return "write only the first, the yaw"
     return "leave out the third" + ("; for one of the three write `Uniform(*values)`" if isinstance(operand, list) else "")
 
 

@@ -30,6 +30,10 @@ class Requirement(NamedTuple):
             return self.text.replace(" is ", " is not ", 1)
         if self.kind == "collision":
             return self.text.replace(" do not intersect", " intersect").replace("no two of", "some of", 1)
+        if self.kind == "field":
+            return self.text.replace(" has a value there", " has no value there")
+        if self.kind == "region":
+            return self.text.replace(" is not empty", " is empty")
         if self.kind == "given":
             return f"it is not so that {self.text}"
         return f"{self.text} fails" if self.kind in ("require", "precondition") else self.text

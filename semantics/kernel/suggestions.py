@@ -30,6 +30,8 @@ OF_OTHERS: Mapping[str, str] = {
     "cos": "write math.cos, after `import math`", "time": "a simulation has simulation().currentTime, in time steps",
     "always": "write `require always B` as a statement of its own, and for `not always B` write `require eventually not (B)`",
     "eventually": "write `require eventually B` as a statement of its own, and for `not eventually B` write `require always not (B)`",
+    "distance": "it is an operator: write `distance from A to B`", "angle": "it is an operator: write `angle from A to B`",
+    "math": "it is a module: begin with `import math`",
     "that": "behind `require` the condition follows at once, without `that`",
 }
 """Names that people bring from Python and other languages, and what to write for them."""

@@ -86,3 +86,9 @@ def test_random_programs_that_are_said_to_have_no_scene_have_none():
             assert isinstance(found, Rejected), program.text
     assert said > 2
     assert possible > 20
+
+
+def test_a_place_outside_a_field_is_said_to_have_no_value() -> None:
+    with pytest.raises(AttemptsExhausted, match="the vector field roadDirection has no value there, whatever is drawn") as found:
+        scenic_ref.loads("model scenic.simulators.gta.model\nego = Car\nCar at (5, 10)\n").sample_many(20)
+    assert "a heading of its own (`facing ...`)" in found.value.hint
