@@ -107,9 +107,9 @@ class Released:
         return {**{name: value for name, value in os.environ.items() if name not in own}, **ONE_THREAD}
 
     def at(self, directory: Path, steps: int | None = None) -> Released:
-        """The same, with the files that it reads in `directory`: its script must stand alone, and the world is that of the gallery.
+        """This implementation, with its script and the gallery's world copied to `directory`, where the script runs alone.
 
-        It simulates so many time steps, if they are given.
+        It simulates `steps` time steps at a time, or draws scenes if they are None.
         """
         source = SAMPLER if steps is None else DRIVER
         script, world = directory / source.name, directory / "world.json"

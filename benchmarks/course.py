@@ -81,7 +81,7 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
 
 
 def own(request: CourseRequest, numba: bool, torch: bool, arrow: bool) -> Iterator[Contender]:
-    """What of this package is measured."""
+    """The backends of this package that are measured."""
     if request.steps is not None:
         return (OursOverTime(backend, request.steps) for backend in ("interpreter", "compiled"))
     return written(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)

@@ -118,7 +118,7 @@ class Figures:
     load: dict[str, tuple[float, ...]] = field(default_factory=dict)
     interrupted: bool = False
     what: str = "scenes"
-    """What is counted: scenes, or time steps of simulations."""
+    """The name of the unit that rates count: scenes, or time steps of simulations."""
 
     def programs(self) -> list[str]:
         """The programs with which the benchmark has begun."""

@@ -19,7 +19,7 @@ from .released_sampler import peak
 
 @dataclass(frozen=True, slots=True)
 class DrivingTask:
-    """What a process simulates: a program, by "compiled" or "interpreter", for so many time steps, in the kinematic simulator."""
+    """The program that a process simulates in the kinematic simulator, its backend ("compiled" or "interpreter") and its time steps."""
 
     program: str
     backend: str
@@ -48,7 +48,7 @@ class Driver:
         return len(run.simulation.moments) - 1 + sum(one.step or 0 for one in failed), took
 
     def sample(self, seconds: float) -> dict[str, float]:
-        """What was simulated in about `seconds` seconds."""
+        """The time steps ("scenes") simulated in about `seconds` seconds, the seconds that they took, and the peak memory in bytes."""
         passed, used = 0, 0.0
         while not passed or used < seconds:
             _, scene = self.simulate(0)
@@ -59,7 +59,7 @@ class Driver:
 
 
 def ready(task: DrivingTask) -> tuple[dict[str, object], Sample]:
-    """What preparing took, and what simulates. Raises the program's errors."""
+    """The seconds of loading and compiling a program, and the function that simulates it. Raises the program's errors."""
     begun = time.process_time()
     driver = Driver(load(task.program, trust=task.trust), task)
     driver.simulate(min(task.steps, 5))

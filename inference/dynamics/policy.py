@@ -97,7 +97,7 @@ class CompiledPolicy(Courses):
     def time_step(self, state: State, limit: str) -> Act | Finish | Stuck:
         """The same, in the version in which the time step began."""
         if simulation_of(state).step == 0:
-            state = begun_anew(state)
+            state = state.in_version(state.version.begun_anew())  # nothing stands in memory that an attempt before has changed
         active = (TOP,) if self.simple else ()
         simulation = simulation_of(state)
         same = not simulation.flag and simulation.limit == limit and simulation.active == active
@@ -381,14 +381,6 @@ class CompiledPolicy(Courses):
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
         """Where an object has taken its actions: the machine finds the same error, and tells it."""
         raise LeftToMachine("an action that its agent cannot take")
-
-
-def begun_anew(state: State) -> State:
-    """The state in which a simulation begins: nothing stands in memory that an attempt before it has changed."""
-    version = state.version
-    if version.undo:
-        version.versions.go_to(version)
-    return state.in_version(version.versions.begin_anew())
 
 
 def begins(number: int, config: Config) -> bool:

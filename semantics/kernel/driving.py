@@ -86,10 +86,7 @@ def taken_over(config: Config) -> Config:
 
     Otherwise what it takes to go back would be kept as long as they are.
     """
-    version = config.state.version
-    if version.undo:
-        version.versions.go_to(version)
-    return in_version(config, version.versions.begin_anew())
+    return in_version(config, config.state.version.begun_anew())
 
 
 def resumed(draw: Draw, drawn: object) -> Config:

@@ -60,6 +60,12 @@ class Version:
             found = found.newer
         return found is not None
 
+    def begun_anew(self) -> Version:
+        """This version, standing in memory with nothing behind it: older configurations, and those that went on from it, cannot be stepped again."""
+        if self.undo:
+            self.versions.go_to(self)
+        return self.versions.begin_anew()
+
 
 class Versions:
     """The versions of one run, and the one that stands in memory."""
