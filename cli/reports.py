@@ -86,7 +86,8 @@ def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], b
     if not tally.scenes:
         return []
     scenes = "1 scene" if tally.scenes == 1 else f"{tally.scenes:,} scenes"
-    mean = f"{tally.attempts / tally.scenes:.3g}"
+    number = tally.attempts / tally.scenes
+    mean = f"{number:,.0f}" if number >= 1000 else f"{number:.3g}"
     each = f", {mean} {'attempt' if mean == '1' else 'attempts'} per scene" if tally.scenes > 1 else ""
     attempts = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"
     lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s", *backend]

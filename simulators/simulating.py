@@ -20,7 +20,7 @@ from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
 from ..semantics.kernel.callers import caller_in, of_program
 from ..semantics.kernel.config import Config, State
-from ..semantics.kernel.errors import RunError, SimulatorError
+from ..semantics.kernel.errors import RunError, SimulatorError, UsageError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.kernel.simulation import Running, line_of, satisfied, simulation_of
 from ..semantics.kernel.values import Instance, plain
@@ -37,7 +37,7 @@ TERMINATED, LIMIT, ENDED, SETTLED = "terminated", "time limit", "ended by the si
 """The results of a simulation."""
 
 
-Settled = Callable[[Moment], str]
+Settled = Callable[[Moment], str | None]
 """Is shown each time step when it has passed; what it says, if anything, is why the outcome of the simulation is settled, which ends then."""
 
 
@@ -183,10 +183,18 @@ def simulated(
         doings = chosen.doing(state) if same else {ids[n]: text for n, text in chosen.doing(state).items()}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         if settled is not None and not ended:
-            ended = settled(moments[-1])
+            ended = reason_of(settled(moments[-1]))
             is_settled = bool(ended)
         state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")
+
+
+def reason_of(answer: object) -> str:
+    """Why the outcome of a simulation is settled, or "". Raises `UsageError` for what is no text."""
+    if answer is None or isinstance(answer, str):
+        return answer or ""
+    hint = 'for instance lambda moment: "collision" if moment.events else None'
+    raise UsageError(f"settled gives a text, the reason, or None, not {answer!r}", hint=hint)
 
 
 def file_of(state: State) -> str | None:

@@ -21,10 +21,18 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 OUTSIDE = ("tests", "tools", "examples", ".ci")
 IGNORE = re.compile(r"#\s*(?:type|pyright): ?ignore")
-IRREGULAR = frozenset(
-    ["begun", "beaten", "bent", "bound", "bought", "broken", "brought", "built", "burnt", "caught", "chosen", "cut", "done", "drawn", "driven", "eaten", "fallen", "felt", "forbidden", "forgotten", "found", "given", "gone", "gotten", "grown", "heard", "held", "hidden", "kept", "known", "laid", "led", "left", "lost", "made", "meant", "met", "paid", "put", "read", "ridden", "risen", "run", "said", "seen", "sent", "set", "shown", "shut", "slid", "slain", "sought", "spelt", "spent", "split", "spoken", "spread", "stolen", "stood", "stuck", "sunk", "sworn", "taken", "taught", "thought", "thrown", "told", "torn", "understood", "unmet", "unsaid", "woken", "won", "worn", "woven", "wound", "written"]
+IRREGULAR = frozenset({
+    "begun", "beaten", "bent", "bound", "bought", "broken", "brought", "built", "burnt", "caught", "chosen",
+    "cut", "done", "drawn", "driven", "eaten", "fallen", "felt", "forbidden", "forgotten", "found", "given",
+    "gone", "gotten", "grown", "heard", "held", "hidden", "kept", "known", "laid", "led", "left", "lost",
+    "made", "meant", "met", "paid", "put", "read", "ridden", "risen", "run", "said", "seen", "sent", "set",
+    "shown", "shut", "slid", "slain", "sought", "spelt", "spent", "split", "spoken", "spread", "stolen",
+    "stood", "stuck", "sunk", "sworn", "taken", "taught", "thought", "thrown", "told", "torn", "understood",
+    "unmet", "unsaid", "woken", "won", "worn", "woven", "wound", "written",
+})  # fmt: skip
+INNOCENT = frozenset(
+    {"ceiling", "embed", "feed", "heading", "need", "seed", "speed", "string", "warning", "bearing"}
 )
-INNOCENT = frozenset({"ceiling", "embed", "feed", "heading", "need", "seed", "speed", "string", "warning", "bearing"})
 NEIGHBOUR = re.compile(r"(?:The same\b|As above|As there|That\b|What\b|Where\b|See\b|Likewise)")
 LONGEST_LINE = 110
 SHORTEST_DOCSTRING = 3
@@ -33,7 +41,13 @@ MANY_MODULES = 4
 
 def tracked(pattern: str) -> list[Path]:
     """Return the files of the repository that match a pattern."""
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", pattern], cwd=ROOT, check=True, capture_output=True, text=True)
+    listed = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard", pattern],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     return sorted(ROOT / line for line in listed.stdout.splitlines() if (ROOT / line).is_file())
 
 
@@ -48,7 +62,9 @@ class House:
 
     def __init__(self) -> None:
         self.sources = {p: p.read_text() for p in tracked("*.py")}
-        self.modules = {dotted_name(p): p for p in self.sources if p.relative_to(ROOT).parts[0] not in OUTSIDE}
+        self.modules = {
+            dotted_name(p): p for p in self.sources if p.relative_to(ROOT).parts[0] not in OUTSIDE
+        }
         self.trees = {name: ast.parse(self.sources[path]) for name, path in self.modules.items()}
 
     def place(self, name: str, node: ast.AST) -> str:
@@ -78,7 +94,11 @@ class House:
     def top_functions(self) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
         """Yield the functions at the top of modules."""
         for name, tree in self.trees.items():
-            yield from ((name, node) for node in tree.body if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
+            yield from (
+                (name, node)
+                for node in tree.body
+                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+            )
 
 
 def single_importers(house: House) -> list[str]:
@@ -87,7 +107,11 @@ def single_importers(house: House) -> list[str]:
     for name in house.modules:
         for target, _ in house.imported(name):
             importers[target].add(name)
-    return [f"{t} <- {next(iter(who))}" for t, who in sorted(importers.items()) if len(who) == 1 and house.modules[t].name != "__init__.py"]
+    return [
+        f"{t} <- {next(iter(who))}"
+        for t, who in sorted(importers.items())
+        if len(who) == 1 and house.modules[t].name != "__init__.py"
+    ]
 
 
 def participles(house: House) -> list[str]:
@@ -105,7 +129,9 @@ def shared_names(house: House) -> list[str]:
     homes: dict[str, list[str]] = defaultdict(list)
     for name, node in house.top_functions():
         homes[node.name].append(name)
-    return [f"{name}: {', '.join(where)}" for name, where in sorted(homes.items()) if len(where) >= MANY_MODULES]
+    return [
+        f"{name}: {', '.join(where)}" for name, where in sorted(homes.items()) if len(where) >= MANY_MODULES
+    ]
 
 
 def components(graph: dict[str, set[str]]) -> list[list[str]]:
@@ -172,7 +198,10 @@ def ignore_comments(house: House) -> list[str]:
     """List the places outside tests where the type checker is told to look away."""
     paths = house.modules.values()
     return [
-        f"{p.relative_to(ROOT)}:{k}" for p in paths for k, line in enumerate(house.sources[p].splitlines(), 1) for _ in IGNORE.findall(line)
+        f"{p.relative_to(ROOT)}:{k}"
+        for p in paths
+        for k, line in enumerate(house.sources[p].splitlines(), 1)
+        for _ in IGNORE.findall(line)
     ]
 
 
@@ -180,13 +209,19 @@ def docstrings(house: House) -> Iterator[tuple[str, str]]:
     """Yield each docstring with its place."""
     for name, tree in house.trees.items():
         for node in ast.walk(tree):
-            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and (text := ast.get_docstring(node)):
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and (
+                text := ast.get_docstring(node)
+            ):
                 yield house.place(name, node), text
 
 
 def short_docstrings(house: House) -> list[str]:
     """List the docstrings of three words or fewer; a form of the language in backticks is no such docstring."""
-    return [f"{place} {text}" for place, text in docstrings(house) if len(text.split()) <= SHORTEST_DOCSTRING and "`" not in text]
+    return [
+        f"{place} {text}"
+        for place, text in docstrings(house)
+        if len(text.split()) <= SHORTEST_DOCSTRING and "`" not in text
+    ]
 
 
 def pointing_docstrings(house: House) -> list[str]:
@@ -218,8 +253,12 @@ METRICS = {
 
 def main() -> None:
     """Print the table, or what one metric counts."""
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--list", metavar="METRIC", help="print the findings of the metrics whose names contain this")
+    options = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    options.add_argument(
+        "--list", metavar="METRIC", help="print the findings of the metrics whose names contain this"
+    )
     options.add_argument("--json", metavar="FILE", help="write the figures to a file")
     arguments = options.parse_args()
     house = House()

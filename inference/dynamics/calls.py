@@ -16,7 +16,7 @@ from ...semantics.kernel.allowed import is_hidden, is_user_made
 from ...semantics.kernel.config import Abrupt, Config, Value
 from ...semantics.kernel.driving import taken_over
 from ...semantics.kernel.generators import EXHAUSTED, Generator
-from ...semantics.kernel.host import HostException
+from ...semantics.kernel.host import DEEPEST_CALLS, HostException
 from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING, Scope
@@ -38,9 +38,9 @@ from ...semantics.syntax.expressions import ObjectOrValue
 from ...semantics.syntax.nodes import Node
 from . import natives
 from .code import name_of
-from .equations import ACTION_TYPES, PLAIN, Equations, Raised
+from .equations import ACTION_TYPES, PLAIN, STEPS, Equations, Raised
 from .leaving import LeftToMachine
-from .natives import KNOWN, SLOWLY, NativeMethod, attempted, is_known
+from .natives import KNOWN, SHORT, SLOWLY, NativeMethod, attempted, is_known
 
 if TYPE_CHECKING:
     from .code import Library
@@ -48,7 +48,9 @@ if TYPE_CHECKING:
 MOST_CALLS = 60
 """So many calls of compiled functions may be inside each other; each costs some of Python's stack."""
 OF_HOST = 2
-"""How much more nodes count for where host code would call the function: the machine pays for its steps there besides."""
+MOST_OF_HOST = 30_000
+"""How much more nodes count for where host code would call the function, whose steps the machine pays for besides; and so many are left to the
+machine in any case, whose budget for them does not grow with the fuel."""
 KEPT = ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")
 """What a function that host code calls may not change."""
 NO_NAMES: tuple[str, ...] = ()
@@ -98,16 +100,21 @@ class Calls(Equations):
         bindings = None if code is None or self.calls >= MOST_CALLS else code.bindings(function, (subject,), NO_NAMES, ())
         if code is None or bindings is None:
             return SLOWLY
-        self.turn(code.size * OF_HOST)
+        door = function.door
+        if door.depth >= DEEPEST_CALLS:
+            return SLOWLY
         before, choose, price = self.state, self.choose, self.price
-        self.choose, self.price = refused, OF_HOST
+        self.choose, self.price = refused, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))
         self.calls += 1
+        door.depth += 1
         try:
+            self.turn(code.size)
             result = code.run(self, Scope.of_call(function.scope, function.names, bindings))
         except Raised as raised:
             raise Raised(Abrupt("raise", raised.abrupt.value, node.span)) from raised
         finally:
             self.calls -= 1
+            door.depth -= 1
             self.choose, self.price = choose, price
         if self.state is not before and any(getattr(self.state, name) is not getattr(before, name) for name in KEPT):
             raise LeftToMachine("a property that changes the scene")
@@ -289,10 +296,11 @@ class Calls(Equations):
 
     def rows(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...]) -> Any:
         """⟨f(E_1, ..., E_n)⟩ for a loop, which nobody else can ask for elements."""
-        if function is ZIP and all(type(a) in (list, tuple, range) for a in arguments):
-            return zip(*arguments)
-        if function is ENUMERATE and len(arguments) == 1 and type(arguments[0]) in (list, tuple, range):
-            return enumerate(arguments[0])
+        if all(type(a) in (list, tuple, range) and len(a) < SHORT for a in arguments):
+            if function is ZIP:
+                return zip(*arguments)
+            if function is ENUMERATE and len(arguments) == 1:
+                return enumerate(arguments[0])
         return self.call(scope, node, function, arguments)
 
     def augmented(self, scope: Scope, node: s.AugmentedAssignment, current: Any, operand: Any) -> None:

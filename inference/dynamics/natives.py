@@ -214,7 +214,8 @@ def total(arguments: tuple[Any, ...]) -> Any:
 
 def length(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """`len(xs)`."""
-    return len(arguments[0]) if len(arguments) == 1 and type(arguments[0]) in (list, tuple) else SLOWLY
+    known = len(arguments) == 1 and type(arguments[0]) in (list, tuple) and len(arguments[0]) < SHORT
+    return len(arguments[0]) if known else SLOWLY
 
 
 def quantified(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

@@ -116,7 +116,8 @@ class CompiledPolicy(Courses):
         except (LeftToMachine, FuelExhausted):
             raise
         except Exception as problem:  # an error of the program, which the machine finds again, and tells
-            raise LeftToMachine(f"{type(problem).__name__}: {problem}") from problem
+            text = f"{problem.args[0]} is read before it is bound" if type(problem) is KeyError else f"{type(problem).__name__}: {problem}"
+            raise LeftToMachine(text) from problem
 
     def steps(self, step: int) -> Act | Finish | Stuck:
         """The seven steps; the first three have nothing to do where the program declares nothing for them."""

@@ -157,7 +157,8 @@ class Statements(Expressions):
         """The body of a loop, and what comes after its last turn; turns are counted where no time need pass in one."""
         self.loops += 1
         if not passes_time(node.body):
-            self.line(f"    q.turn({size_of(*node.body)})")
+            head = node.test if isinstance(node, s.While) else node.target
+            self.line(f"    q.turn({size_of(head, *node.body)})")
         self.block(node.body)
         self.loops -= 1
         if node.otherwise:

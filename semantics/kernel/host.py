@@ -33,6 +33,8 @@ from .values import CONTAINERS, Function, Instance, Origin, plain, unwrap, wrap
 from .versions import Slot, Version
 
 DOOR_FUEL = 1_000_000
+DEEPEST_CALLS = 40
+"""So many calls by host code may be inside each other; each takes some of Python's stack."""
 Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
 """Applies an operation of Python to arguments with symbols in them, when the machine runs on symbols (DESIGN, section 1)."""
 NUMBERS_PER_CALL = 1_000_000
@@ -75,7 +77,7 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("budget", "called", "calls", "enter", "expand", "in_turn", "lift", "operands", "origin", "reached", "state", "through")
+    __slots__ = ("budget", "called", "calls", "depth", "enter", "expand", "in_turn", "lift", "operands", "origin", "reached", "state", "through")
 
     def __init__(
         self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config], expand: Callable[[NeedsElements, Config], Next]
@@ -87,6 +89,8 @@ class Door:
         self.origin: Origin | None = None
         self.called = False
         self.calls = 0
+        self.depth = 0
+        """How many calls are inside each other."""
         self.in_turn = False
         """Whether the surrounding host call calls the function once for each element, whatever it gives: as a key."""
         self.lift: Lift | None = None
@@ -106,9 +110,16 @@ class Door:
             if self.through[0] is not operands:
                 self.through = operands, frozenset(numbers_of(operands))
             versions.busy = (*busy, self.through[1])
+        if self.depth >= DEEPEST_CALLS:
+            raise RunError(
+                f"{function.name} is called by library code too deep inside of such calls", function.span, rule="E-Call-Host",
+                hint="does it call itself, as a property, a key or an operator does?",
+            )
+        self.depth += 1
         try:
             return self.answer(function, arguments, keywords, self.state)
         finally:
+            self.depth -= 1
             self.operands, self.in_turn, versions.busy, versions.given = operands, in_turn, busy, given
 
     def answer(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:

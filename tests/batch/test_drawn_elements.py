@@ -9,7 +9,8 @@ from collections import Counter
 
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.trace import running
+from scenic_ref.inference.batch.trace import running, structures
+from scenic_ref.inference.batch.trace.graph import RowCall
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.semantics.space.symbols import NotLifted
@@ -192,3 +193,31 @@ def test_a_function_that_draws_cannot_filter_a_drawn_list():
     with pytest.raises(ScenicError, match="draws a random value while library code calls it") as found:
         scenic_ref.loads(text).sample()
     assert "draw the value before the call" in found.value.hint
+
+
+BESIDE = """lane = Uniform(*network.lanes)
+other = Uniform(*filter(lambda each: each is not lane, lane.road.lanes))
+ego = Object on other.centerline, with behavior FollowTrajectoryBehavior(5, [lane, other])
+"""
+
+
+def test_a_call_is_made_once_for_what_was_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A `filter` whose function looks at what is drawn is made once for each lane; and where symbols stand in a value is found once for all rows."""
+    scenario = scenic_ref.loads(MODEL + BESIDE, dialect="scenic-2.1")
+    batch = scenario.batch
+    assert batch is not None, scenario.not_lifted
+    looked = Counter[str]()
+    find = structures.symbols_in
+
+    def symbols_in(value: object) -> list[object]:
+        looked["values"] += 1
+        return find(value)  # type: ignore[return-value]
+
+    monkeypatch.setattr(structures, "symbols_in", symbols_in)
+    found = [scene.to_line() for scene in scenario.sample_many(40, seed=3, backend="batch")]
+    few = looked.total()
+    assert len(list(scenario.sample_many(400, seed=3, backend="batch"))) == 400
+    assert looked.total() < 3 * few
+    calls = [n.function for n in batch.graph.nodes if isinstance(n.function, RowCall) and n.function.text == "filter"]
+    assert calls and all(len(call.kept) < 400 for call in calls) and any(call.kept for call in calls)
+    assert found == [scene.to_line() for scene in scenario.sample_many(40, seed=3, backend="interpreter")]

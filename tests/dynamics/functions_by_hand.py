@@ -514,9 +514,66 @@ behavior B:
     take b.n
 ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
 """,
+    "the length of a long list again and again": """
+xs = list(range(1000000))
+behavior B:
+    n = 0
+    for i in range(1000):
+        n += len(xs)
+    take n
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""",
+    "a long range that is numbered": """
+behavior B:
+    for i, k in enumerate(range(10000000)):
+        take i
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""",
+    "a long condition of a loop": f"""
+def f():
+    n = 20000
+    while n > 0 and {" and ".join(["n > 0 - 1 + 1 - 1"] * 40)}:
+        n = n - 1
+    return n
+behavior B:
+    take f()
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""",
+    "a property that takes long": """
+class Box(object):
+    @property
+    def p(self):
+        n = 20000
+        while n > 0 and n > 0 - 1 + 1 and n > -1 and n > -2:
+            n = n - 1
+        return n
+b = Box()
+behavior B:
+    take b.p
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""",
+    **{f"a property that calls itself {often} times": f"""
+class Box(object):
+    n = 0
+    @property
+    def p(self):
+        self.n = self.n - 1
+        return 0 if self.n <= 0 else 1 + self.p
+b = Box()
+def f(n):
+    b.n = n
+    return b.p
+behavior B:
+    take f({often})
+ego = Object with behavior B, with x Uniform(1, 2), with name 'ego'
+""" for often in (40, 41, 100)},
 }
 """Their simulations are the same by both backends; errors are, too."""
-ERRORS = {"recursion without end", "an exception that nothing catches", "a property that draws", "a property that makes an object"}
+ERRORS = {
+    "recursion without end", "an exception that nothing catches", "a property that draws", "a property that makes an object",
+    "the length of a long list again and again", "a long range that is numbered", "a long condition of a loop", "a property that takes long",
+    "a property that calls itself 41 times", "a property that calls itself 100 times",
+}
 """Those that end with one."""
 LEFT = {*ERRORS, "names that are not there", "variables of a monitor after attempts that were rejected"}
 """Those of which the machine runs whole simulations."""

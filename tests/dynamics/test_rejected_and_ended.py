@@ -357,3 +357,11 @@ def test_what_the_program_ends_is_not_settled() -> None:
     failing = scenic_ref.loads("ego = Object\nrequire eventually simulation.currentTime > 5\n")
     with pytest.raises(AttemptsExhausted):
         failing.simulate(steps=9, settled=lambda moment: "over", max_attempts=1)
+
+
+@pytest.mark.parametrize("answer", [True, 3, b"over"])
+def test_settled_gives_a_text_or_none(answer: object) -> None:
+    scenario = scenic_ref.loads("ego = Object\n")
+    with pytest.raises(UsageError, match="settled gives a text, the reason, or None, not"):
+        scenario.simulate(steps=3, settled=lambda moment: answer)  # type: ignore[arg-type, return-value]
+    assert scenario.simulate(steps=3, settled=lambda moment: None).simulation.result == "time limit"

@@ -209,7 +209,7 @@ class Writer:
         """A test on a polygon or the value of a field."""
         asked = owners_asked(call)
         if asked is None and not is_polygon_test(call):
-            raise NotCompiled(call.text)
+            raise NotCompiled(f"a call of {call.text} that depends on what is drawn")
         subject, *rest = call.structure
         parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in parts]
@@ -220,7 +220,7 @@ class Writer:
         elif constant_cells(subject):
             self.field(name, subject, values)
         else:
-            raise NotCompiled(call.text)
+            raise NotCompiled(f"a call of {call.text} that depends on what is drawn")
 
     def region(self, name: str, call: RowCall, region: PolygonalRegion, values: list[str]) -> None:
         """Whether a point or box lies in a polygonal region."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from ....semantics.kernel.unmet import UNMET, unmet
 from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.symbols import NotLifted
+from ....semantics.space.vectors import Unchanging
 from ....semantics.syntax.nodes import NOWHERE
 from ..trace.graph import (
     AsFloat,
@@ -33,7 +35,7 @@ from ..trace.graph import (
     SearchPart,
     Site,
 )
-from ..trace.structures import row_maker, symbols_in
+from ..trace.structures import nodes_in, row_maker, symbols_in
 from ..trace.symbols import Choice
 from .clipped import Clipped, curve_tests, largest_radius
 from .column_calls import Owned, call_by_owner, column_methods
@@ -261,14 +263,31 @@ def search_parts(search: SearchPart, part: np.ndarray, value: np.ndarray) -> np.
     return low
 
 
+MOST_KEPT = 20_000
+"""So many results of a call are kept."""
 InRow = Callable[[Callable[[GraphNode], object], int], object]
 """What is done in a row, of which the first argument gives the values of nodes."""
 
 
+@lru_cache(maxsize=256)
 def _calling(call: RowCall) -> InRow:
+    """What makes the call in a row: once for what elements of a map, truth values and whole numbers are drawn, where it hangs on nothing else."""
     arguments, keywords = row_maker(call.structure), row_maker(call.keywords)
+    nodes = list(dict.fromkeys(nodes_in((call.structure, call.keywords))))
+    may_keep = all(node.kind != "float" for node in nodes)
 
     def in_row(resolve: Callable[[GraphNode], object], row: int) -> object:
+        key = tuple([kept_as(resolve(node)) for node in nodes]) if may_keep else (None,)
+        if None in key:
+            return called(resolve)
+        found = call.kept.get(key)
+        if found is None:
+            found = call.kept[key] = called(resolve)
+            if len(call.kept) > MOST_KEPT:
+                call.kept.clear()
+        return list(found) if type(found) is list else found
+
+    def called(resolve: Callable[[GraphNode], object]) -> object:
         call.budget.renew()
         result = call.function(*arguments(resolve), **keywords(resolve))
         result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
@@ -277,6 +296,11 @@ def _calling(call: RowCall) -> InRow:
         return result
 
     return in_row
+
+
+def kept_as(value: object) -> object:
+    """What stands for a value in the key of a call whose result is kept: the identity of one that stays what it is; None for any other."""
+    return (type(value), value) if type(value) in (bool, int) else id(value) if isinstance(value, Unchanging) else None
 
 
 def _drawing(draw: RowDraw, numbers: Numbers) -> InRow:

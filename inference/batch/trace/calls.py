@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ....semantics.kernel.values import Bound, Native
+from ....semantics.python.elementwise import select
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.symbols import Listed
 from ....semantics.space.vectors import Vector
@@ -22,6 +23,8 @@ def name_of(function: object) -> str:
     """A function as reports call it."""
     if isinstance(function, Traced):
         return name_of(function.example)
+    if function is select:
+        return "filter"
     owner = getattr(function, "__self__", function)
     return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
 

@@ -19,7 +19,7 @@ from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ..evaluate.rows import Columns
 from .graph import GraphNode
-from .structures import in_row, nodes_in, symbols_in
+from .structures import nodes_in, row_maker, symbols_in
 from .symbols import Choice, Opaque, Traced
 
 
@@ -103,4 +103,5 @@ def listed(value: object, columns: Columns, count: int) -> list[object]:
         case _ if not symbols_in(value):
             return [value] * count
     needed = {node.number: columns[node.number].tolist() for node in nodes_in(value)}
-    return [in_row(value, lambda node, row=row: needed[node.number][row]) for row in range(count)]
+    made = row_maker(value)
+    return [made(lambda node, row=row: needed[node.number][row]) for row in range(count)]
