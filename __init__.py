@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import errors
-    from .formats.geodata import save_map
     from .formats.scenes import Scene, SceneObject
+    from .roads.geodata import save_map
     from .scenario import Scenario, load, loads
 
 __version__ = "0.1.0"
@@ -22,7 +22,7 @@ __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", 
 
 _HOMES = {
     "Scene": ".formats.scenes", "SceneObject": ".formats.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
-    "errors": ".errors", "save_map": ".formats.geodata",
+    "errors": ".errors", "save_map": ".roads.geodata",
 }
 
 

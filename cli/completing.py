@@ -65,7 +65,7 @@ def simulators() -> Iterable[str]:
 
 def map_kinds() -> Iterable[str]:
     """The kinds of maps that can be made."""
-    from ..maps.making import KINDS
+    from ..roads.map_generator import KINDS
 
     return KINDS
 

@@ -12,7 +12,7 @@ from .completing import map_kinds, words
 from .options import DebugOption
 
 if TYPE_CHECKING:
-    from ..maps.network import Network
+    from ..roads.network import Network
 
 NAMES = {"left": "left turns", "right": "right turns", "u_turn": "U-turns", "merge": "from lane to lane outside intersections"}
 """Of kinds of maneuvers, where they are not those of the JSON."""
@@ -76,8 +76,8 @@ def show_map(
         return
     if param and make is None:
         raise UsageError("-p gives parameters of --make, or map_crs of a map of one's own")
-    from ..maps import read_map
-    from ..maps.summary import faults, summary
+    from ..roads import read_map
+    from ..roads.map_summary import faults, summary
 
     network = read_map(file)
     found = list(faults(network)) if check else []
@@ -108,8 +108,8 @@ def crs_in(given: list[str]) -> str | None:
 
 def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) -> None:
     """Say what is on a map of one's own, and draw it."""
-    from ..formats.geodata import read_site
     from ..formats.site_pictures import site_picture
+    from ..roads.geodata import read_site
     from .columns import columns
     from .files import write
 
@@ -132,7 +132,7 @@ def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) ->
 
 def explained(kind: str | None) -> list[str]:
     """The parameters of a kind of map. Raises `UsageError` if there is none."""
-    from ..maps.making import KINDS
+    from ..roads.map_generator import KINDS
     from ..semantics.kernel.errors import UsageError
     from .columns import columns
 
@@ -146,7 +146,7 @@ def explained(kind: str | None) -> list[str]:
 
 def text_of(kind: str, given: list[str]) -> str:
     """The map of a kind with these parameters. Raises `UsageError`."""
-    from ..maps.making import KINDS, made
+    from ..roads.map_generator import KINDS, made
     from ..semantics.kernel.errors import UsageError
     from .options import literal, pairs
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..formats.recordings import Simulated
 from ..formats.replay_pages import map_below, run_shown
 from ..formats.scenes import in_json
-from ..maps.network import Network
+from ..roads.network import Network
 from ..simulators.worlds.driving import MAP
 from .files import write
 from .progress import Progress

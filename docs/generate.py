@@ -23,8 +23,8 @@ from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.formats.map_pictures import map_picture
 from scenic_ref.formats.sheets import contact_sheet
-from scenic_ref.maps import made_map
-from scenic_ref.maps.making import KINDS
+from scenic_ref.roads import made_map
+from scenic_ref.roads.map_generator import KINDS
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE

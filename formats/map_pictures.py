@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ..maps.network import Network
+from ..roads.network import Network
 from ..semantics.space.vectors import Vector
 from .maps import BIKE, JUNCTION, LINE, ROAD, SHOULDER, SIGNAL, WALK, draw_areas, draw_arrows
 from .pictures import INK, check_format, draw_scale, new_figure, written

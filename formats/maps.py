@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..maps.elements import NetworkElement
-from ..maps.network import Network
+from ..roads.network import Network, NetworkElement
 from ..semantics.space.vectors import Vector
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 import shapely
 
-from ..maps.network import MapWorkspace
+from ..roads.network import MapWorkspace
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere

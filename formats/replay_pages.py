@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..maps.network import MapWorkspace, Network
+from ..roads.network import MapWorkspace, Network
 from .maps import ARROW, Window, areas_of, arrows_of, polygons_in, ways_of
 from .pictures import EDGE, EGO, FARTHEST, LAND, colours_by_class, land_in
 from .site_land import laid, lines_in

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..interpreter.walls import timed
-from ..maps.sites import SiteMap
+from ..roads.user_maps import SiteMap
 from ..semantics.kernel.budget import items_of, plain_data
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError

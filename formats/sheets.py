@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..maps.network import MapWorkspace
+from ..roads.network import MapWorkspace
 from ..semantics.space.geometry import corners, direction
 from .maps import Window, draw_lights
 from .movies import Course, courses_of

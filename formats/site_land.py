@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..maps.sites import FEATURES, SITE, SiteMap
+from ..roads.user_maps import FEATURES, SITE, SiteMap
 from ..semantics.kernel.config import State
 from .maps import Window, fill
 

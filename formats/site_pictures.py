@@ -7,7 +7,7 @@ import math
 import numpy as np
 import shapely
 
-from ..maps.sites import SiteMap
+from ..roads.user_maps import SiteMap
 from .pictures import CLASSES, INK, bounds_of_shape, check_format, draw_scale, new_figure, shortened, written
 
 SIZE = 8.0

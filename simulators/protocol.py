@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.recordings import Body, Pose
-from ..maps.network import Network
+from ..roads.network import Network
 from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.kernel.errors import ScenicError, SimulatorError, UsageError
 from ..semantics.kernel.kinds import is_scalar

@@ -15,7 +15,7 @@ from ..formats.recordings import Body, Moment, Pose, Simulated
 from ..formats.scenes import Scene, portable, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness, drive
 from ..interpreter.streams import simulator_seed
-from ..maps.network import Network
+from ..roads.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
 from ..semantics.kernel.callers import caller_in, of_program

@@ -23,7 +23,7 @@ from typing import Any
 
 from ..formats.recordings import Body, Pose
 from ..interpreter.extras import needed
-from ..maps.making import made
+from ..roads.map_generator import made
 from ..semantics.kernel.errors import UsageError
 from . import actions as a
 from .controls import PROPERTIES, along, checked_timestep

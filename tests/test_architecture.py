@@ -49,7 +49,7 @@ ONLY_IN = {
     "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
     "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
-    "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
+    "pyproj": {"roads/geodata.py"}, "shapefile": {"roads/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     **{name: {"inference/batch/compile/kernels.py", "inference/batch/compile/code_cache.py"} for name in ("numba", "llvmlite")},
 }

@@ -13,7 +13,7 @@ from ...formats.site_land import laid
 from ...formats.site_names import marks
 from ...inference.enumeration import content_of
 from ...inference.rejection import acceptance
-from ...maps.network import MapWorkspace
+from ...roads.network import MapWorkspace
 from ...scenario.diagnosing import Diagnostic, record
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from ...semantics.kernel.outcome import Requirement

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ...interpreter.modules import World
-from ...maps.sites import FEATURES
+from ...roads.user_maps import FEATURES
 from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS
 from ...semantics.syntax import Program

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...formats.geodata import read_site
 from ...interpreter.modules import World
-from ...maps.sites import FEATURES, SiteMap
+from ...roads.geodata import read_site
+from ...roads.user_maps import FEATURES, SiteMap
 from ...semantics.kernel.errors import ImportRefused, ScenicError
 from ...semantics.syntax import Program
 from ...semantics.syntax.nodes import NOWHERE, Span

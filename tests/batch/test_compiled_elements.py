@@ -10,7 +10,7 @@ from scenic_ref.inference.batch.evaluate.column_calls import distance_from_polyg
 from scenic_ref.inference.batch.evaluate.columns import search_parts
 from scenic_ref.inference.batch.evaluate.polygons import edges_of
 from scenic_ref.inference.batch.trace.graph import SearchPart
-from scenic_ref.maps.elements import Lane
+from scenic_ref.roads.network import Lane
 from scenic_ref.semantics.space.regions import PolygonalRegion
 from scenic_ref.simulators.worlds.driving import default_network
 

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from scenic_ref.maps.making import KINDS
+from scenic_ref.roads.map_generator import KINDS
 
 
 def test_a_map_is_made_and_told_about(ask, tmp_path: Path) -> None:

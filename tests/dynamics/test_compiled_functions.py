@@ -16,7 +16,7 @@ from scenic_ref.inference.dynamics import code, natives, statements
 from scenic_ref.inference.dynamics.calls import Calls
 from scenic_ref.inference.dynamics.equations import Equations
 from scenic_ref.inference.dynamics.policy import CompiledPolicy
-from scenic_ref.maps.elements import Lane
+from scenic_ref.roads.network import Lane
 from scenic_ref.semantics.kernel.allowed import may_ask
 from scenic_ref.simulators.worlds.driving import default_network
 

@@ -11,7 +11,7 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.listings import read_manifest
 from scenic_ref.formats.recordings import Moment, Simulated
-from scenic_ref.maps import Network, read_map
+from scenic_ref.roads import Network, read_map
 from scenic_ref.semantics.space.geometry import corners
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.driving import default_network

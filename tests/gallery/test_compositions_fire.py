@@ -10,8 +10,8 @@ import pytest
 import scenic_ref
 from scenic_ref.errors import AttemptsExhausted
 from scenic_ref.formats.recordings import Simulated
-from scenic_ref.maps import Network
-from scenic_ref.maps.making import made
+from scenic_ref.roads import Network
+from scenic_ref.roads.map_generator import made
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.driving import default_network
 

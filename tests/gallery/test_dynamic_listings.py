@@ -7,7 +7,7 @@ from itertools import combinations
 
 import pytest
 from scenic_ref.conformance.listings import LineOrigin, completed
-from scenic_ref.maps.making import made
+from scenic_ref.roads.map_generator import made
 
 from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
 

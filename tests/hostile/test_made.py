@@ -8,7 +8,7 @@ from importlib import import_module
 
 import pytest
 import scenic_ref
-from scenic_ref.maps.fixed import Fixed
+from scenic_ref.roads.immutable import Fixed
 from scenic_ref.semantics.kernel import allowed, errors
 from scenic_ref.semantics.kernel.containers import Counter, OrderedDict, deque
 from scenic_ref.semantics.python.builtins import BUILTINS

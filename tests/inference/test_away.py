@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenic_ref.inference.batch.evaluate.margins import PAIRS, points_away
 from scenic_ref.inference.batch.evaluate.polygons import tests_of as polygon_tests
-from scenic_ref.maps import made_map
+from scenic_ref.roads import made_map
 
 
 def edge_by_edge(edges: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

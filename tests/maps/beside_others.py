@@ -11,8 +11,8 @@ from collections import defaultdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenic_ref.maps import read_map
-from scenic_ref.maps.summary import faults
+from scenic_ref.roads import read_map
+from scenic_ref.roads.map_summary import faults
 
 from .comparing import differences, of_ours, points_of
 from .test_contacts import compared

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import shapely
-from scenic_ref.maps import Network
+from scenic_ref.roads import Network
 from scenic_ref.semantics.space.vectors import Vector
 
 from .described import Asked, Pairs, described

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from scenic_ref.maps import MapError, Network, opendrive, read_map
-from scenic_ref.maps.reading import network_of
-from scenic_ref.maps.summary import faults
+from scenic_ref.roads import MapError, Network, opendrive, read_map
+from scenic_ref.roads.map_summary import faults
+from scenic_ref.roads.network_builder import network_of
 from scenic_ref.semantics.space.vectors import Vector
 
 LANES = (

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 
 import pytest
-from scenic_ref.maps.making import KINDS, made
+from scenic_ref.roads.map_generator import KINDS, made
 
 from .walked import DRIVEN, METRES, RADIANS, Map, after, ends_of, largest_gap
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.interpreter.caches import cache_place
-from scenic_ref.maps.making import made
+from scenic_ref.roads.map_generator import made
 
 from .test_making import CASES
 from .walked import DRIVEN, Map, ends_of

@@ -7,10 +7,10 @@ import re
 from collections import Counter
 
 import pytest
-from scenic_ref.maps import MapError, opendrive
-from scenic_ref.maps.making import made
-from scenic_ref.maps.reading import network_of
-from scenic_ref.maps.summary import faults, summary
+from scenic_ref.roads import MapError, opendrive
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_summary import faults, summary
+from scenic_ref.roads.network_builder import network_of
 
 WORDS = (b"", b"nan", b"inf", b"-1", b"0", b"1e308", b"-1e9", b"1e-12", b"x", b"999999", b"start", b"end", b"junction", b"driving", b"9" * 50)
 MAPS = [

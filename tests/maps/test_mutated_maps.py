@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.formats.geodata import read_site, site_from
-from scenic_ref.maps import opendrive, storing
-from scenic_ref.maps.making import made
-from scenic_ref.maps.reading import network_of
-from scenic_ref.maps.xml import MapError
+from scenic_ref.roads import map_cache, opendrive
+from scenic_ref.roads.geodata import read_site, site_from
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.network_builder import network_of
+from scenic_ref.roads.xml_elements import MapError
 from scenic_ref.semantics.kernel import errors
 
 MOST = 2000
@@ -77,10 +77,10 @@ def with_cache(data: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "x.map"
         place.write_bytes(hashlib.blake2b(data).digest() + data)
-        arrays = storing.arrays_in(place)
+        arrays = map_cache.arrays_in(place)
         try:
-            storing.unpacked(arrays or {})
-        except storing.FAULTS:
+            map_cache.unpacked(arrays or {})
+        except map_cache.FAULTS:
             raise MapError("forged") from None
 
 
@@ -90,7 +90,7 @@ def kept() -> bytes:
 
     shapes = [shapely.box(0, 0, 1, 1), shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(5, 5, 6, 6)]), shapely.Point(1, 2), shapely.LineString([(0, 0), (1, 1)])]
     buffer = io.BytesIO()
-    np.savez(buffer, **storing.packed(shapes))  # type: ignore[arg-type]
+    np.savez(buffer, **map_cache.packed(shapes))  # type: ignore[arg-type]
     return buffer.getvalue()
 
 
@@ -211,7 +211,7 @@ def test_a_forged_file_of_shapes_is_not_believed():
         inner = struct.pack("<bII", 1, 6, 1) + inner if len(inner) < 2_000_000 else inner
     arrays = {"shapes": np.frombuffer(inner, dtype=np.uint8), "sizes": np.array([len(inner)])}
     with pytest.raises(ValueError, match="own kind"):
-        storing.unpacked(arrays)
+        map_cache.unpacked(arrays)
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ import re
 from functools import cache
 
 import pytest
-from scenic_ref.maps import Network, made_map, opendrive
-from scenic_ref.maps.making import made
-from scenic_ref.maps.reading import network_of
-from scenic_ref.maps.summary import faults, summary
+from scenic_ref.roads import Network, made_map, opendrive
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_summary import faults, summary
+from scenic_ref.roads.network_builder import network_of
 from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from scenic_ref.maps import read_map
-from scenic_ref.maps.making import made
-from scenic_ref.maps.summary import faults
+from scenic_ref.roads import read_map
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_summary import faults
 
 from . import described
 from .comparing import Described, Difference, differences, of_ours, points_of

@@ -8,8 +8,18 @@ from random import Random
 import numpy as np
 import pytest
 import shapely
-from scenic_ref.maps.elements import Lane
-from scenic_ref.maps.paths import AHEAD, BEHIND, LOOKED_AT, SIDEWAYS, SLOWING, WINDOW, PathTable, Trajectory, table_along
+from scenic_ref.roads.network import Lane
+from scenic_ref.roads.vehicle_paths import (
+    AHEAD,
+    BEHIND,
+    LOOKED_AT,
+    SIDEWAYS,
+    SLOWING,
+    WINDOW,
+    PathTable,
+    Trajectory,
+    table_along,
+)
 from scenic_ref.simulators.worlds.driving import default_network
 from shapely.geometry import LineString, Point
 from shapely.ops import substring

@@ -12,10 +12,10 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UsageError
-from scenic_ref.formats.geodata import in_metres, of_geojson, read_site, without_files
 from scenic_ref.formats.site_pictures import site_picture
-from scenic_ref.maps.sites import SiteMap
-from scenic_ref.maps.xml import MapError
+from scenic_ref.roads.geodata import in_metres, of_geojson, read_site, without_files
+from scenic_ref.roads.user_maps import SiteMap
+from scenic_ref.roads.xml_elements import MapError
 from scenic_ref.scenario.noticing import warnings_about
 
 ROOT = Path(__file__).parents[2]

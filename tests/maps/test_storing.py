@@ -18,11 +18,11 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.interpreter import caches
-from scenic_ref.maps import opendrive, records, storing
-from scenic_ref.maps.fixed import Fixed
-from scenic_ref.maps.making import KINDS, made
-from scenic_ref.maps.network import Network
-from scenic_ref.maps.reading import TOLERANCE, kept, network_from, network_of
+from scenic_ref.roads import map_cache, network_arrays, opendrive
+from scenic_ref.roads.immutable import Fixed
+from scenic_ref.roads.map_generator import KINDS, made
+from scenic_ref.roads.network import Network
+from scenic_ref.roads.network_builder import TOLERANCE, kept, network_from, network_of
 
 ALL = {"sidewalks": True, "shoulders": True, "bike_lanes": True, "signals": True, "crosswalks": True}
 CASES = [*[(kind, {}) for kind in KINDS], *[(kind, {**ALL, "lanes": 2, "left_hand": True}) for kind in KINDS if kind != "highway"]]
@@ -34,7 +34,7 @@ PROGRAM = "model scenic.domains.driving.model\nego = Car\nCar on road, with requ
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache directory for maps of any size."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(storing, "SMALLEST", 0)
+    monkeypatch.setattr(map_cache, "SMALLEST", 0)
     kept.cache_clear()
     return tmp_path / "scenic-ref" / "maps"
 
@@ -68,7 +68,7 @@ def in_full(network: Network) -> list[object]:
     seen, waiting, found = {id(network): 0}, [network], []
     while waiting:
         one = waiting.pop()
-        given = {name: value for name, value in vars(one).items() if name not in records.APART and not records.is_calculated(type(one), name)}
+        given = {name: value for name, value in vars(one).items() if name not in network_arrays.APART and not network_arrays.is_calculated(type(one), name)}
         found.append((type(one), sorted((name, written(value, seen, waiting)) for name, value in given.items())))
     return found
 
@@ -77,7 +77,7 @@ def in_full(network: Network) -> list[object]:
 def test_what_is_read_is_what_was_made(kind, parameters):
     source = made(kind, **parameters).encode()
     network = network_of(opendrive.read(source), TOLERANCE)
-    assert in_full(records.NetworkReader(records.NetworkWriter().arrays(network)).network()) == in_full(network)
+    assert in_full(network_arrays.NetworkReader(network_arrays.NetworkWriter().arrays(network)).network()) == in_full(network)
 
 
 def test_another_process_reads_no_map(folder, monkeypatch):
@@ -109,14 +109,14 @@ def test_other_maps_tolerances_and_codes_have_other_files(folder, monkeypatch):
     for count, ask in enumerate([lambda: again(MAP), lambda: again(MAP, 0.06), lambda: again(MAP + b"\n"), lambda: again(MAP)], start=1):
         ask()
         assert len(list(folder.iterdir())) == min(count, 3)
-    monkeypatch.setattr(storing, "CODE", b"another")
-    monkeypatch.setattr(storing, "code_there", lambda: b"another")
+    monkeypatch.setattr(map_cache, "CODE", b"another")
+    monkeypatch.setattr(map_cache, "code_there", lambda: b"another")
     again(MAP)
     assert len(list(folder.iterdir())) == 4
 
 
 def test_code_that_is_changed_while_it_runs_keeps_nothing(folder, monkeypatch):
-    monkeypatch.setattr(storing, "code_there", lambda: b"newer than what runs")
+    monkeypatch.setattr(map_cache, "code_there", lambda: b"newer than what runs")
     assert again(MAP).roadDirection.cells
     assert not folder.exists()
 
@@ -127,9 +127,9 @@ def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "made.py").write_text("x = 1\n")
     monkeypatch.setattr(caches, "__file__", str(tmp_path / "interpreter" / "caches.py"))
-    first = storing.code_there()
+    first = map_cache.code_there()
     (tmp_path / "maps" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
-    assert first == storing.code_there() != b""
+    assert first == map_cache.code_there() != b""
     place = tmp_path / "semantics" / "space" / "made.py"
     if change == "other":
         place.write_text("x = 2\n")
@@ -138,14 +138,14 @@ def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
     else:
         place.unlink()
         place.symlink_to("nowhere.py")
-    assert storing.code_there() != first and (change != "gone" or storing.code_there() == b"")
+    assert map_cache.code_there() != first and (change != "gone" or map_cache.code_there() == b"")
 
 
 def test_small_maps_and_unknown_code_are_not_kept(folder, monkeypatch):
-    monkeypatch.setattr(storing, "SMALLEST", len(MAP) + 1)
+    monkeypatch.setattr(map_cache, "SMALLEST", len(MAP) + 1)
     again(MAP)
-    monkeypatch.setattr(storing, "SMALLEST", 0)
-    monkeypatch.setattr(storing, "CODE", b"")
+    monkeypatch.setattr(map_cache, "SMALLEST", 0)
+    monkeypatch.setattr(map_cache, "CODE", b"")
     again(MAP)
     assert not folder.exists()
 
@@ -178,7 +178,7 @@ def as_file(arrays: object) -> bytes:
     """A file with a digest that is right."""
     buffer = io.BytesIO()
     np.savez(buffer, **arrays) if isinstance(arrays, dict) else np.save(buffer, arrays)
-    return storing.hashlib.blake2b(buffer.getvalue()).digest() + buffer.getvalue()
+    return map_cache.hashlib.blake2b(buffer.getvalue()).digest() + buffer.getvalue()
 
 
 def objects(*what: object) -> np.ndarray:
@@ -186,7 +186,7 @@ def objects(*what: object) -> np.ndarray:
     return np.frombuffer(json.dumps(what).encode(), dtype=np.uint8)
 
 
-NOTHING = {"points": np.empty((0, 2)), **storing.packed([])}
+NOTHING = {"points": np.empty((0, 2)), **map_cache.packed([])}
 FORGED = [
     {}, np.zeros(3), {"objects": np.array([Harmful()], dtype=object)}, {"objects": objects()}, {**NOTHING, "objects": objects()},
     {**NOTHING, "objects": objects(["Car", {}])}, {**NOTHING, "objects": objects(["Lane", {}])}, {**NOTHING, "objects": objects(1)},
@@ -210,7 +210,7 @@ def test_nothing_half_written_is_left(folder, monkeypatch, stop):
     def fail(*_: object) -> None:
         raise stop
 
-    monkeypatch.setattr(storing.os, "replace", fail)
+    monkeypatch.setattr(map_cache.os, "replace", fail)
     try:
         again(MAP)
     except KeyboardInterrupt:
@@ -224,22 +224,22 @@ def test_where_nothing_can_be_written_nothing_is_kept(folder, monkeypatch):
 
 
 def test_what_was_not_used_for_longest_goes_first(folder, monkeypatch):
-    monkeypatch.setattr(storing, "MOST", 3)
+    monkeypatch.setattr(map_cache, "MOST", 3)
     sources = [MAP + b"\n" * k for k in range(4)]
-    places = [storing.place_of("network", source, TOLERANCE) for source in sources]
+    places = [map_cache.place_of("network", source, TOLERANCE) for source in sources]
     for k in range(3):
         again(sources[k])
         os.utime(places[k], (k, k))
     again(sources[0])  # used just now
     again(sources[3])
     assert [place.exists() for place in places] == [True, False, True, True]
-    monkeypatch.setattr(storing, "MOST_BYTES", 1)
+    monkeypatch.setattr(map_cache, "MOST_BYTES", 1)
     again(MAP + b" ")
     assert list(folder.iterdir()) == []
 
 
 def test_files_of_others_stay_and_hinder_nothing(folder, monkeypatch):
-    monkeypatch.setattr(storing, "MOST", 3)
+    monkeypatch.setattr(map_cache, "MOST", 3)
     folder.mkdir(parents=True)
     (folder / "thesis.tex").write_text("")
     os.utime(folder / "thesis.tex", (0, 0))
@@ -250,7 +250,7 @@ def test_files_of_others_stay_and_hinder_nothing(folder, monkeypatch):
 
 
 def test_a_clock_that_was_wrong_hinders_nothing(folder, monkeypatch):
-    monkeypatch.setattr(storing, "MOST", 2)
+    monkeypatch.setattr(map_cache, "MOST", 2)
     for k in range(2):
         again(MAP + b"\n" * k)
     for place in folder.iterdir():
@@ -263,7 +263,7 @@ def test_a_clock_that_was_wrong_hinders_nothing(folder, monkeypatch):
 def written_by_another(begin: Barrier, home: str) -> str:
     """What another process gets, when all begin."""
     os.environ["XDG_CACHE_HOME"] = home
-    storing.SMALLEST = 0
+    map_cache.SMALLEST = 0
     begin.wait(60)
     network = network_from(MAP)
     return repr((network, len(network.roadDirection.cells)))

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenic_ref.maps.making import made
+from scenic_ref.roads.map_generator import made
 
 RECORD = Path(__file__).parent / "controllers.json"
 ERRORS = (0.0, 1.0, -0.5, 0.25, 3.0, 0.1, 0.1, -0.2, 0.05, -4.0, 0.3, 0.02, 0.4, 0.4, 0.4)

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenic_ref.maps.making import made
+from scenic_ref.roads.map_generator import made
 from scenic_ref.simulators.worlds.driving import DEFAULT
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -10,9 +10,9 @@ import pytest
 import scenic_ref
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UncaughtException
 from scenic_ref.formats.recordings import Simulated
-from scenic_ref.maps import Network, made_map, read_map
-from scenic_ref.maps.making import made
-from scenic_ref.maps.paths import Trajectory
+from scenic_ref.roads import Network, made_map, read_map
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.vehicle_paths import Trajectory
 from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators import by_name

@@ -9,8 +9,8 @@ import pytest
 import scenic_ref
 from scenic_ref.errors import UncaughtException
 from scenic_ref.formats.recordings import Moment, Simulated
-from scenic_ref.maps import Network, made_map
-from scenic_ref.maps.signals import CLEARING, GREEN, YELLOW, lights_of
+from scenic_ref.roads import Network, made_map
+from scenic_ref.roads.network import CLEARING, GREEN, YELLOW, lights_of
 from scenic_ref.simulators.worlds.driving import default_network
 from shapely.geometry import Point
 

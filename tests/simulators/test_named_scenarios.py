@@ -9,8 +9,8 @@ import pytest
 import scenic_ref
 from scenic_ref.errors import AttemptsExhausted
 from scenic_ref.formats.recordings import Moment, Simulated
-from scenic_ref.maps.making import made
-from scenic_ref.maps.paths import Trajectory
+from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.vehicle_paths import Trajectory
 from scenic_ref.simulators.worlds.driving import default_network
 
 MODEL = "model scenic.domains.driving.model\nfrom scenic.domains.driving.scenarios import *\n"

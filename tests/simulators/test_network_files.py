@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.cli import answer
 from scenic_ref.errors import UncaughtException
-from scenic_ref.maps.making import made
+from scenic_ref.roads.map_generator import made
 
 PROGRAM = """from scenic.domains.driving.roads import Network
 town = Network.fromFile(localPath('maps/town.xodr'), useCache=False, ref_points=40)

@@ -8,10 +8,11 @@ from importlib.resources import files
 from pathlib import Path
 
 from ....interpreter.modules import World
-from ....maps import elements, intersections, network, paths, signals
-from ....maps.making import made
-from ....maps.network import Network
-from ....maps.reading import TOLERANCE, network_from
+from ....roads import network as roads
+from ....roads import vehicle_paths
+from ....roads.map_generator import made
+from ....roads.network import Network
+from ....roads.network_builder import TOLERANCE, network_from
 from ....semantics.kernel.errors import ImportRefused
 from ....semantics.python.specials import MAPS
 from ....semantics.syntax import Program
@@ -28,9 +29,7 @@ OF_ROADS = (
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
 """What the module `roads` gives."""
-PARTS = (elements, intersections, network, signals)
-"""Where it has them from."""
-FIXED_ROADS = {name: found for module in PARTS for name, found in vars(module).items() if name in OF_ROADS}
+FIXED_ROADS = {name: vars(roads)[name] for name in OF_ROADS}
 SAME = "from scenic.domains.driving.model import *\n"
 """A model that has no more than the driving library."""
 
@@ -114,7 +113,7 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
     "scenic.domains.driving.arguments": lambda: {"check_arguments": check_arguments},
     MAPS[0]: lambda: FIXED_ROADS,
-    "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
+    "scenic.domains.driving.paths": lambda: {"Trajectory": vehicle_paths.Trajectory},
     "scenic.domains.driving.controllers": lambda: text("controllers"),
     "scenic.domains.driving.lights": lambda: text("lights"),
     "scenic.domains.driving.kinds": lambda: text("kinds"),

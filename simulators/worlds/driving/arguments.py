@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ....maps.elements import Lane, LaneSection, LinearElement
-from ....maps.intersections import Intersection
-from ....maps.signals import Signal
+from ....roads.network import Intersection, Lane, LaneSection, LinearElement, Signal
 from ....semantics.kernel.kinds import is_object
 from ....semantics.kernel.values import Dynamic, Instance
 from ....semantics.space.regions import PolylineRegion, Region

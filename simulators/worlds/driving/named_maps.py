@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ....maps.network import Network
-from ....maps.reading import TOLERANCE, read_map
+from ....roads.network import Network
+from ....roads.network_builder import TOLERANCE, read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
 from ....semantics.kernel.scopes import descendants
 from ....semantics.kernel.suggestions import did_you_mean

@@ -7,8 +7,18 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from itertools import groupby
 
-from .curves import Bend, Piece, turn
-from .roads import DRIVEN, Neighbour, PlannedCrosswalk, PlannedRoad, PlannedSection, PlannedSignal, Side, breadth, driven
+from .road_curves import Bend, Piece, turn
+from .road_plans import (
+    DRIVEN,
+    Neighbour,
+    PlannedCrosswalk,
+    PlannedRoad,
+    PlannedSection,
+    PlannedSignal,
+    Side,
+    breadth,
+    driven,
+)
 
 DEPTH = 3.0
 """Metres that a crosswalk measures along the road."""

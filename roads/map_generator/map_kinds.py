@@ -6,10 +6,10 @@ import cmath
 import math
 import random
 
-from .curves import Bend, Placement, bends, bends_to
-from .junctions import PlannedManeuver, junction
-from .roads import Neighbour, PlannedLane, PlannedRoad, PlannedSection, Side, breadth, mouth, to_curb
-from .streets import SHORTEST_STREET, Street, Style, network
+from .junction_plans import PlannedManeuver, junction
+from .road_curves import Bend, Placement, bends, bends_to
+from .road_plans import Neighbour, PlannedLane, PlannedRoad, PlannedSection, Side, breadth, mouth, to_curb
+from .street_networks import SHORTEST_STREET, Street, Style, network
 
 EAST, NORTH, WEST, SOUTH = (quarter * math.pi / 2 for quarter in range(4))
 MEDIAN, HARD_SHOULDER, GORE = 1.5, 2.5, 1.0

@@ -11,10 +11,8 @@ import numpy as np
 import shapely
 
 from ..semantics.space.regions import PolylineRegion
-from .elements import Lane, LinearElement
-from .intersections import ManeuverType
-from .network import Network
-from .notes import HEIGHTS
+from .network import Lane, LinearElement, ManeuverType, Network
+from .opendrive import HEIGHTS
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""

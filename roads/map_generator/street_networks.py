@@ -8,9 +8,10 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from .curves import Line, Placement, sharpest, street
-from .junctions import junction, setbacks, turns
-from .roads import (
+from .junction_plans import junction, setbacks, turns
+from .opendrive_writer import DEPTH
+from .road_curves import Line, Placement, sharpest, street
+from .road_plans import (
     Contact,
     Mouth,
     Neighbour,
@@ -25,7 +26,6 @@ from .roads import (
     mouth,
     to_curb,
 )
-from .writing import DEPTH
 
 BIKE_LANE, SIDEWALK = 1.8, 2.0
 """Widths in metres."""

@@ -22,14 +22,14 @@ import shapely
 from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
+from ..formats.whole_files import write_whole
 from ..interpreter.extras import needed
 from ..interpreter.regular_file import name_and_folder, read_regular_file
 from ..interpreter.walls import timed
-from ..maps.sites import Doubt, MapFeature, SiteMap
-from ..maps.xml import MapError
 from ..semantics.kernel.errors import ScenicError, UsageError
 from ..semantics.kernel.memory import is_out_of_memory
-from .whole_files import write_whole
+from .user_maps import Doubt, MapFeature, SiteMap
+from .xml_elements import MapError
 
 LARGEST = 64 << 20
 """Bytes that a file may have."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from .curves import Line, Placement
+from .road_curves import Line, Placement
 
 Contact = Literal["start", "end"]
 DRIVEN = frozenset({"driving", "entry", "exit", "onRamp", "offRamp"})

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry, BaseMultipartGeometry
 from ..semantics.space.fields import PolygonalVectorField
 from ..semantics.space.regions import BadRegion, PointSetRegion, PolygonalRegion, PolylineRegion, Region
 from ..semantics.space.vectors import Vector
-from .xml import MapError
+from .xml_elements import MapError
 
 KINDS = {Polygon: "areas", LineString: "lines", Point: "points"}
 FEATURES, SITE = "site_map.features", "_site"

@@ -13,10 +13,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from . import kinds
-from .roads import PlannedRoad
-from .streets import Style
-from .writing import written
+from . import map_kinds
+from .opendrive_writer import written
+from .road_plans import PlannedRoad
+from .street_networks import Style
 
 __all__ = ["KINDS", "MapKind", "MapParameter", "made"]
 
@@ -94,14 +94,14 @@ KINDS: Mapping[str, MapKind] = MappingProxyType(
         "grid": MapKind(
             "straight streets that cross at right angles",
             {**BLOCKS, "one_way": MapParameter(False, "whether streets are one-way, each in the other direction than those beside it"), **STREETS},
-            kinds.grid,
+            map_kinds.grid,
         ),
-        "crossing": MapKind("one junction of four streets, or of three at equal angles", {**LEGS, **STREETS}, kinds.crossing),
-        "t": MapKind("one junction of a street from West to East and one from the South", {"leg": leg(80.0), **STREETS}, kinds.t),
+        "crossing": MapKind("one junction of four streets, or of three at equal angles", {**LEGS, **STREETS}, map_kinds.crossing),
+        "t": MapKind("one junction of a street from West to East and one from the South", {"leg": leg(80.0), **STREETS}, map_kinds.t),
         "roundabout": MapKind(
             "a ring of one-way roads, with a junction for each leg",
             {**LEGS, "island": MapParameter(15.0, "metres, the radius of the island in its middle", 3, 500), **STREETS},
-            kinds.roundabout,
+            map_kinds.roundabout,
         ),
         "highway": MapKind(
             "two carriageways, with an on-ramp and an off-ramp",
@@ -115,7 +115,7 @@ KINDS: Mapping[str, MapKind] = MappingProxyType(
                 "shoulders": MapParameter(True, "whether there are shoulders"),
                 **LEFT_HAND,
             },
-            kinds.highway,
+            map_kinds.highway,
         ),
         "suburb": MapKind(
             "winding streets, some of them dead ends, with junctions of three and of four",
@@ -127,7 +127,7 @@ KINDS: Mapping[str, MapKind] = MappingProxyType(
                 "seed": MapParameter(0, "of the random choices", 0, 2**63),
                 **STREETS,
             },
-            kinds.suburb,
+            map_kinds.suburb,
         ),
     }
 )

@@ -16,24 +16,26 @@ from shapely.geometry.base import BaseGeometry
 
 from ..semantics.kernel.sets import FrozenSet
 from ..semantics.space.vectors import Vector
-from .elements import (
+from .immutable import Fixed, complete
+from .lane_edges import Points
+from .map_cache import FAULTS, Arrays, arrays_in, keep, packed, place_of, unpacked
+from .network import (
     BikeLane,
+    Intersection,
     Lane,
     LaneGroup,
     LaneSection,
+    Maneuver,
+    ManeuverType,
+    Network,
     PedestrianCrossing,
     Road,
     RoadSection,
     Shoulder,
     Sidewalk,
+    Signal,
     VehicleType,
 )
-from .fixed import Fixed, complete
-from .intersections import Intersection, Maneuver, ManeuverType
-from .network import Network
-from .shapes import Points
-from .signals import Signal
-from .storing import FAULTS, Arrays, arrays_in, keep, packed, place_of, unpacked
 
 KINDS: Mapping[str, type[Fixed]] = {
     kind.__name__: kind

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .network import Network
+from .network_builder import made_map, read_map
 from .opendrive import MapError
-from .reading import made_map, read_map
 
 __all__ = ["MapError", "Network", "made_map", "read_map"]

@@ -18,8 +18,8 @@ from shapely.geometry import LineString
 from ..semantics.kernel.kinds import kind_name
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
-from .elements import LinearElement, vector
-from .fixed import Fixed
+from .immutable import Fixed
+from .network import LinearElement, vector
 
 SIDEWAYS, SLOWING = 2.5, 3.0
 """Metres per second squared that a comfortable driver allows in a bend, and when braking before it."""

@@ -13,9 +13,8 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
-from . import curves
-from .notes import Notes
-from .opendrive import LaneRecord, Numbers, Profile, RoadRecord, SectionRecord
+from . import reference_lines
+from .opendrive import LaneRecord, Notes, Numbers, Profile, RoadRecord, SectionRecord
 
 Points = NDArray[np.float64]
 """Of shape (n, 2), in metres."""
@@ -56,10 +55,10 @@ class SectionShape:
 
 def section_shapes(road: RoadRecord, notes: Notes) -> Iterator[SectionShape]:
     """The sections of a road with the edges of their lanes."""
-    for at, gap in curves.breaks(road.pieces, JOINT):
+    for at, gap in reference_lines.breaks(road.pieces, JOINT):
         notes.add(f"gaps in reference lines of more than {JOINT * 100:g} cm", f"road {road.id} at {at:g} m ({gap:.2f} m)")
     widest = max((sum(lane_width(lane, one) for lane in one.lanes.values()) for one in road.sections), default=0.0)
-    grid = curves.sampled(road.pieces, min(widest, WIDEST))
+    grid = reference_lines.sampled(road.pieces, min(widest, WIDEST))
     for one in road.sections:
         yield section_shape(road, one, grid, notes)
 
@@ -73,7 +72,7 @@ def lane_width(lane: LaneRecord, section: SectionRecord) -> float:
 def section_shape(road: RoadRecord, section: SectionRecord, grid: Numbers, notes: Notes) -> SectionShape:
     """A section of a road; `grid` are the distances at which its reference line is looked at."""
     s = distances(road, section, grid)
-    x, y, direction = curves.along(road.pieces, s)
+    x, y, direction = reference_lines.along(road.pieces, s)
     left = np.column_stack([-np.sin(direction), np.cos(direction)])
     line = np.column_stack([x, y])
     middle = road.offsets.at(s)
@@ -108,7 +107,7 @@ def distances(road: RoadRecord, section: SectionRecord, grid: Numbers) -> Number
     if end <= start:
         return np.array([section.start, section.end])
     profiles: list[Profile] = [road.offsets, *(p for lane in section.lanes.values() for p in (lane.widths, lane.borders))]
-    found = np.concatenate([grid, *(curves.where_bent(p, section.end) for p in profiles)])
+    found = np.concatenate([grid, *(reference_lines.where_bent(p, section.end) for p in profiles)])
     found = np.unique(found[(found > start + LEAST) & (found < end - LEAST)])
     kept = found[np.diff(found, prepend=-math.inf) > 1e-4]
     return np.concatenate([[start], kept, [end]])

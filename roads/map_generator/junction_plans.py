@@ -9,8 +9,19 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from .curves import Line, turn, turned
-from .roads import Mouth, Neighbour, PlannedLane, PlannedRoad, PlannedSection, PlannedSignal, Side, breadth, driven, to_curb
+from .road_curves import Line, turn, turned
+from .road_plans import (
+    Mouth,
+    Neighbour,
+    PlannedLane,
+    PlannedRoad,
+    PlannedSection,
+    PlannedSignal,
+    Side,
+    breadth,
+    driven,
+    to_curb,
+)
 
 STRAIGHT = math.radians(45)
 """What turns by less goes straight on."""
