@@ -76,7 +76,7 @@ def read_cdf(fields: VectorFields) -> Continuous:
     return Continuous(name, cdf, low, high)
 
 
-def interval(fields: VectorFields) -> tuple[float, float]:
+def ordered_interval(fields: VectorFields) -> tuple[float, float]:
     """`low` and `high`, in this order."""
     low, high = fields.number("low"), fields.number("high")
     if not low < high:
@@ -104,7 +104,7 @@ def standard_normal(z: float) -> float:
 
 def uniform(fields: VectorFields) -> Family:
     """F(x) = (x - low) / (high - low)."""
-    low, high = interval(fields)
+    low, high = ordered_interval(fields)
     return lambda x: clipped((x - low) / (high - low)), low, high
 
 
@@ -117,14 +117,14 @@ def normal(fields: VectorFields) -> Family:
 def truncated_normal(fields: VectorFields) -> Family:
     """F(x) = (Φ(z(x)) - Φ(z(low))) / (Φ(z(high)) - Φ(z(low))) with z(x) = (x - mean) / deviation."""
     mean, std = fields.number("mean"), deviation(fields)
-    low, high = interval(fields)
+    low, high = ordered_interval(fields)
     below, within = standard_normal((low - mean) / std), standard_normal((high - mean) / std) - standard_normal((low - mean) / std)
     return lambda x: clipped((standard_normal((x - mean) / std) - below) / within), low, high
 
 
 def triangular(fields: VectorFields) -> Family:
     """The density rises linearly from low to mode and falls linearly to high."""
-    low, high = interval(fields)
+    low, high = ordered_interval(fields)
     mode = fields.number("mode")
     if not low <= mode <= high:
         raise fields.wrong("mode must lie between low and high")
@@ -141,7 +141,7 @@ def triangular(fields: VectorFields) -> Family:
 
 def power(fields: VectorFields) -> Family:
     """F(x) = ((x - low) / (high - low)) ** exponent."""
-    low, high = interval(fields)
+    low, high = ordered_interval(fields)
     exponent = fields.number("exponent")
     if exponent <= 0:
         raise fields.wrong("exponent must be above 0")

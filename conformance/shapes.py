@@ -51,7 +51,7 @@ def of_points(inside: Callable[[Place, float], bool]) -> Shape:
     return shape
 
 
-def interval(fields: VectorFields) -> Shape:
+def interval_set(fields: VectorFields) -> Shape:
     """The numbers from low to high."""
     low, high = fields.number("low"), fields.number("high")
     return lambda value, tolerance: is_number(value) and low - tolerance <= value <= high + tolerance
@@ -123,7 +123,7 @@ def distance_to_segment(p: Place, a: Place, b: Place) -> float:
 
 
 SHAPES: Mapping[str, Callable[[VectorFields], Shape]] = {
-    "interval": interval,
+    "interval": interval_set,
     "disc": disc,
     "sector": sector,
     "rectangle": rectangle,

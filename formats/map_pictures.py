@@ -17,9 +17,9 @@ from .pictures import INK, check_format, draw_scale, new_figure, written
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIZE = 9.0
+MAP_SIZE = 9.0
 """Inches of the longer side."""
-ARROWS = 40
+ARROWS_OF_MAP = 40
 """About so many arrows fit along the longer side."""
 LEGEND = (("lanes", ROAD), ("intersections", JUNCTION), ("sidewalks", WALK), ("shoulders", SHOULDER), ("bike lanes", BIKE))
 
@@ -31,12 +31,12 @@ def map_picture(network: Network, *, format: str = "png") -> bytes:
     margin = 0.03 * max(east - west, north - south)
     window = (west - margin, south - margin, east + margin, north + margin)
     width, height = window[2] - window[0], window[3] - window[1]
-    figure = new_figure(max(3.0, SIZE * min(1.0, width / height)), max(3.0, SIZE * min(1.0, height / width)) + 0.4)
+    figure = new_figure(max(3.0, MAP_SIZE * min(1.0, width / height)), max(3.0, MAP_SIZE * min(1.0, height / width)) + 0.4)
     axes = figure.add_subplot()
     axes.set(xlim=(window[0], window[2]), ylim=(window[1], window[3]), aspect="equal", xticks=[], yticks=[])
     across = max(width, height)
     draw_areas(axes, network, window)
-    draw_arrows(axes, network, window, across / ARROWS)
+    draw_arrows(axes, network, window, across / ARROWS_OF_MAP)
     draw_signals(axes, network, across)
     draw_scale(axes, window, 9)
     draw_legend(axes, network)

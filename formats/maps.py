@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ROAD, JUNCTION, WALK, SHOULDER, BIKE, LINE, ARROW, SIGNAL = "#d5d5d1", "#c3c9d3", "#efe7d6", "#e3e3dd", "#d3e4d3", "#ffffff", "#5f6b7a", "#d1495b"
-INK = "#222222"
+MAP_INK = "#222222"
 LIGHTS = {"green": "#2ca02c", "yellow": "#f2c014", "red": "#d62728", "off": "#888888"}
 ARROWS_OF_SCENE = 8
 """About so many arrows fit across the picture of a scene."""
@@ -52,7 +52,7 @@ def areas_of(network: Network, window: Window) -> Iterator[Areas]:
     yield Areas(seen(network.bikeLanes), BIKE, 1)
     yield Areas(seen(lane for road in network.roads for lane in road.lanes), ROAD, 1, LINE)
     yield Areas(seen(network.intersections), JUNCTION, 2)
-    yield Areas(seen(network.crossings), LINE, 3, INK)
+    yield Areas(seen(network.crossings), LINE, 3, MAP_INK)
 
 
 def draw_areas(axes: Axes, network: Network, window: Window) -> None:
@@ -116,7 +116,7 @@ def draw_lights(axes: Axes, network: Network, window: Window, seconds: float) ->
     shown = [(place.x, place.y, colour) for place, colour in seen if west <= place.x <= east and south <= place.y <= north]
     if shown:
         x, y, colours = zip(*shown, strict=True)
-        axes.scatter(x, y, s=22, c=colours, edgecolors=INK, linewidths=0.5, zorder=8)
+        axes.scatter(x, y, s=22, c=colours, edgecolors=MAP_INK, linewidths=0.5, zorder=8)
 
 
 def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:

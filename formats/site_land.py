@@ -60,10 +60,10 @@ def laid(site: SiteMap | None, window: Window) -> list[Laid]:
         Laid(feature.kind, shape, *pair, feature.name or "", feature.heading if feature.kind == "areas" else None)
         for feature, shape, pair in zip(seen, clipped, colours, strict=True)
     ]
-    return sorted(largest(found), key=lambda one: (KINDS.index(one.kind), -one.shape.area))
+    return sorted(drawable_features(found), key=lambda one: (KINDS.index(one.kind), -one.shape.area))
 
 
-def largest(found: list[Laid]) -> Iterator[Laid]:
+def drawable_features(found: list[Laid]) -> Iterator[Laid]:
     """Those that may be drawn: the largest ones, where there are too many."""
     points = 0
     for one in sorted(found, key=lambda one: (-one.shape.area, -one.shape.length)):

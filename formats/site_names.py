@@ -19,7 +19,7 @@ CELLS = 40
 """A place is one of so many times so many in the window."""
 ALONG = np.linspace(0.02, 0.98, 25)
 """The places beside a line, as parts of its length."""
-ARROW = 0.05
+NAME_ARROW = 0.05
 """The length of an arrow, as part of the width of the window."""
 
 
@@ -38,13 +38,13 @@ def marks(found: Sequence[Laid], window: Window, taken: Sequence[Window], width_
     A mark for which there is no clear place is left out.
     """
     used, made = list(taken), list[Mark]()
-    for one in largest([one for one in found if one.name]):
+    for one in largest_features([one for one in found if one.name]):
         size = width_of(one.name), height
         if (spot := clear(spots(one.kind, visible(one, found), window, height), size, used, window)) is not None:
             made.append(Mark(one.name, *spot))
             used.append(room(spot, size))
-    length = ARROW * (window[2] - window[0])
-    for one in largest([one for one in found if one.heading is not None]):
+    length = NAME_ARROW * (window[2] - window[0])
+    for one in largest_features([one for one in found if one.heading is not None]):
         if (spot := clear(spots(one.kind, visible(one, found), window, height), (length, length), used, window)) is not None:
             assert one.heading is not None
             made.append(Mark("", *spot, (-math.sin(one.heading) * length / 2, math.cos(one.heading) * length / 2)))
@@ -52,7 +52,7 @@ def marks(found: Sequence[Laid], window: Window, taken: Sequence[Window], width_
     return made
 
 
-def largest(found: Sequence[Laid]) -> list[Laid]:
+def largest_features(found: Sequence[Laid]) -> list[Laid]:
     """The largest features."""
     return sorted(found, key=lambda one: (-one.shape.area, -one.shape.length))[:MOST_MARKS]
 

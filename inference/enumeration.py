@@ -220,7 +220,7 @@ def summed(leaves: list[Leaf], discretized: int | None) -> Enumeration:
         coins.append(Coins(probability, acceptance))
         for leaf in group:
             if leaf.scene is not None:
-                key = content_of(leaf.scene)
+                key = content_of_scene(leaf.scene)
                 scenes.setdefault(key, leaf.scene)
                 masses[key] += probability * leaf.probability / acceptance
             elif leaf.requirement is not None:
@@ -256,7 +256,7 @@ def by_coins(leaves: list[Leaf], known: frozenset[Address] = frozenset()) -> Ite
             yield share * probability, group
 
 
-def content_of(scene: Scene) -> str:
+def content_of_scene(scene: Scene) -> str:
     """What a scene says, whatever its number: scenes with the same content are one outcome."""
     found = scene.to_json()
     return json.dumps([found["params"], found["ego"], found["objects"]], allow_nan=False)

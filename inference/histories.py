@@ -77,7 +77,7 @@ def enumerate_simulations(
             raise UsageError("simulations are enumerated under the reading soft=run only")
         runs, covered = runs + 1, covered + runner.probability
         if isinstance(ended, Simulated):
-            key = content_of(ended)
+            key = content_of_simulation(ended)
             simulations.setdefault(key, ended)
             masses[key] += runner.probability
         else:
@@ -91,7 +91,7 @@ def enumerate_simulations(
     return Histories(outcomes, acceptance, dict(stuck), runs)
 
 
-def content_of(simulation: Simulated) -> str:
+def content_of_simulation(simulation: Simulated) -> str:
     """What a simulation says, whatever its number: those with the same content are one outcome."""
     found = to_json(simulation, 1)
     scene = found["scene"]

@@ -10,7 +10,7 @@ from dataclasses import replace
 from ..semantics.syntax import Expression, Specifier
 from ..semantics.syntax import expressions as e
 from ..semantics.syntax import python_expressions as p
-from ..semantics.syntax import specifiers as s
+from ..semantics.syntax import specifiers as q
 from .chains import is_dotted_name
 from .printer_strings import StringPrinter
 
@@ -343,36 +343,36 @@ class ExpressionPrinter(StringPrinter):
     def specifier(self, node: Specifier) -> str:
         """One specifier."""
         match node:
-            case s.WithSpecifier():
+            case q.WithSpecifier():
                 return f"with {node.property} {self.argument(node.value)}"
-            case s.AtSpecifier():
+            case q.AtSpecifier():
                 return f"at {self.argument(node.vector)}"
-            case s.OffsetBySpecifier():
+            case q.OffsetBySpecifier():
                 return f"offset by {self.argument(node.offset)}"
-            case s.OffsetAlongSpecifier():
+            case q.OffsetAlongSpecifier():
                 return f"offset along {self.argument(node.direction)} by {self.operand(node.offset)}"
-            case s.BesideSpecifier():
+            case q.BesideSpecifier():
                 words = {"left": "left of", "right": "right of", "ahead": "ahead of", "behind": "behind"}
                 return f"{words[node.side]} {self.argument(node.reference)}{self.option('by', node.gap)}"
-            case s.BeyondSpecifier():
+            case q.BeyondSpecifier():
                 return f"beyond {self.argument(node.vector)} by {self.operand(node.offset)}{self.option('from', node.origin)}"
-            case s.VisibleSpecifier():
+            case q.VisibleSpecifier():
                 return "visible" + self.option("from", node.viewer)
-            case s.NotVisibleSpecifier():
+            case q.NotVisibleSpecifier():
                 return "not visible" + self.option("from", node.viewer)
-            case s.ContainedInSpecifier():
+            case q.ContainedInSpecifier():
                 return f"contained in {self.argument(node.region)}"
-            case s.InSpecifier():
+            case q.InSpecifier():
                 return f"{node.keyword} {self.argument(node.region)}"
-            case s.FollowingSpecifier():
+            case q.FollowingSpecifier():
                 return f"following {self.argument(node.field)}{self.option('from', node.origin)} for {self.operand(node.distance)}"
-            case s.FacingSpecifier():
+            case q.FacingSpecifier():
                 return f"facing {self.argument(node.direction)}"
-            case s.FacingTowardSpecifier():
+            case q.FacingTowardSpecifier():
                 return f"facing toward {self.operand(node.vector)}"
-            case s.FacingAwayFromSpecifier():
+            case q.FacingAwayFromSpecifier():
                 return f"facing away from {self.operand(node.vector)}"
-            case s.ApparentlyFacingSpecifier():
+            case q.ApparentlyFacingSpecifier():
                 return f"apparently facing {self.argument(node.heading)}{self.option('from', node.origin)}"
             case _:
                 raise TypeError(f"no specifier: {node!r}")

@@ -10,7 +10,7 @@ from dataclasses import replace
 from ...formats.scenes import Scene
 from ...inference.batch import Block
 from ...inference.batch.jobs.blocks import jobs
-from ...inference.enumeration import content_of
+from ...inference.enumeration import content_of_scene
 from ...inference.rejection import DEFAULT_ATTEMPTS
 from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves, unit_of
 from ...inference.statistics.relations import table_of
@@ -199,7 +199,7 @@ def survey(asked: PlayRequest, send: Send) -> None:
             found: Json = {"kind": "survey", "reading": reading.id, "answer": answer}
             try:
                 pairs = list(zip(base, first_scenes(asked, {reading.id: answer}), strict=True))
-                changed = [(one, other) for one, other in pairs if content_of(one) != content_of(other) or one.attempts != other.attempts]
+                changed = [(one, other) for one, other in pairs if content_of_scene(one) != content_of_scene(other) or one.attempts != other.attempts]
                 what = list(dict.fromkeys(name for pair in changed for name in different(*pair)))[:MOST_TOLD]
                 send(found | {"changed": [one.index for one, _ in changed], "of": len(pairs), "what": [cut_text(name, 100) for name in what]})
             except ScenicError as error:

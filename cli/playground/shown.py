@@ -11,7 +11,7 @@ from ...formats.replay_pages import land_around, map_in
 from ...formats.scenes import OWN_FIELDS, Scene, SceneObject
 from ...formats.site_land import laid
 from ...formats.site_names import marks
-from ...inference.enumeration import content_of
+from ...inference.enumeration import content_of_scene
 from ...inference.rejection import acceptance
 from ...roads.network import MapWorkspace
 from ...scenario.diagnosing import Diagnostic, record
@@ -34,7 +34,7 @@ def scene_shown(scene: Scene) -> Json:
     written = scene.to_json()
     found: Json = {
         "scene": scene.index, "seed": scene.seed, "attempts": scene.attempts, "ego": scene.ego_id, "count": len(scene.objects),
-        "params": cut(written["params"]), "digest": hashlib.sha256(content_of(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
+        "params": cut(written["params"]), "digest": hashlib.sha256(content_of_scene(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
     }  # fmt: skip
     if len(scene.objects) > MOST_OBJECTS:
         return found | {"objects": [], "problem": f"{len(scene.objects):,} objects are too many to be drawn here"}

@@ -19,7 +19,7 @@ from multiprocessing import get_context
 from typing import Literal
 
 from ...formats.scenes import Scene, scene_of
-from ...inference.enumeration import Enumeration, content_of
+from ...inference.enumeration import Enumeration, content_of_scene
 from ...inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...interpreter.choosers import from_stream
 from ...interpreter.parser import parse
@@ -91,9 +91,9 @@ def examine(index: int, *, seed: int, settings: ProgramSettings, rival: Rival = 
     scenes = list(sample(sampled, own, count, rival))
     found = [scene for scene, _ in scenes if scene is not None]
     flags = [flag for scene, attempts in scenes for flag in (*[False] * (attempts - 1), scene is not None)]
-    contents = [content_of(scene) for scene in found]
+    contents = [content_of_scene(scene) for scene in found]
     acceptance = Categorical({True: exact.acceptance, False: 1 - exact.acceptance})
-    by_scenes = evidence(contents, Categorical(exact.law(content_of)))
+    by_scenes = evidence(contents, Categorical(exact.law(content_of_scene)))
     by_attempts = evidence(flags, acceptance)
     return Examined(index, by_scenes, by_attempts, places(exact, contents, own), exact.runs, exact.acceptance, len(exact.outcomes))
 
@@ -147,7 +147,7 @@ def favouring_the_first(seed: int, index: int, attempt: int) -> Chooser:
 def places(exact: Enumeration, contents: Sequence[str], seed: int) -> tuple[float, ...]:
     """Where each scene lies within the law, from 0 to 1; within its own outcome, anywhere."""
     masses = [outcome.probability for outcome in exact.outcomes]
-    starts = dict(zip(map(content_of, exact.scenes), zip(accumulate(masses, initial=Fraction(0)), masses), strict=True))
+    starts = dict(zip(map(content_of_scene, exact.scenes), zip(accumulate(masses, initial=Fraction(0)), masses), strict=True))
     uniform = Stream(seed, 0, 0).at(())
     never = (Fraction(0), Fraction(0))
     return tuple(float(start) + float(mass) * uniform() for start, mass in (starts.get(content, never) for content in contents))

@@ -48,7 +48,7 @@ def simple(draft: Draft) -> Block:
     return draft.choices.weighted(options)(draft) or statements.scalar(draft)
 
 
-def body(draft: Draft, count: int) -> Block:
+def block_body(draft: Draft, count: int) -> Block:
     """Some simple statements as the body of a loop or branch."""
     before, draft.inside = draft.inside, "loop"
     found: list[Statement] = []
@@ -75,11 +75,11 @@ def statement(draft: Draft) -> Block:
 def branch(draft: Draft) -> Block:
     """`if B: ... elif B: ... else: ...`, B not random."""
     with draft.block():
-        then = body(draft, draft.choices.integer(1, 2))
+        then = block_body(draft, draft.choices.integer(1, 2))
     otherwise: Block = ()
     if draft.choices.chance(0.5):
         with draft.block():
-            otherwise = body(draft, 1)
+            otherwise = block_body(draft, 1)
         if draft.choices.chance(0.3):
             otherwise = (s.If(test=booleans.settled(draft, 1), then=otherwise, otherwise=(s.Pass(),)),)
     return (s.If(test=booleans.settled(draft, 2), then=then, otherwise=otherwise),)
@@ -102,7 +102,7 @@ def counted(draft: Draft) -> Block:
     turns, index = draft.choices.integer(1, draft.settings.max_loop), draft.fresh("i")
     with draft.block(turns):
         draft.define(Variable(index, "scalar", 0, turns - 1, random=False))
-        found = list(body(draft, draft.choices.integer(1, 2)))
+        found = list(block_body(draft, draft.choices.integer(1, 2)))
     if draft.choices.chance(0.3):
         leave = draft.choices.pick([s.Break(), s.Continue()])
         test = comparison(name(index), "==", number(draft.choices.integer(0, turns)))
@@ -116,7 +116,7 @@ def waiting(draft: Draft) -> Block:
     turns, count = draft.choices.integer(1, draft.settings.max_loop), draft.fresh("n")
     with draft.block(turns):
         draft.define(Variable(count, "scalar", 0, turns, random=False))
-        found = body(draft, 1)
+        found = block_body(draft, 1)
     step = s.AugmentedAssignment(target=name(count), operator="+", value=number(1))
     loop = s.While(test=comparison(name(count), "<", number(turns)), body=(*found, step))
     draft.define(Variable(count, "scalar", 0, turns, random=False))
@@ -168,7 +168,7 @@ def row(draft: Draft) -> Block | None:
         if not objects.may_create(draft):
             return None
         draft.define(Variable(index, "scalar", 0, count - 1, random=False))
-        across = operation(operation(name(index), "*", number(5)), "+", scalars.literal(draft, -10, 5))
+        across = operation(operation(name(index), "*", number(5)), "+", scalars.scalar_literal(draft, -10, 5))
         place = q.AtSpecifier(vector=pair(across, scalars.scalar(draft, -10, 10, 1)))
         made = new_object("Object", [place, *frozen(draft)])
     draft.objects += count

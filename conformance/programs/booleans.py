@@ -19,7 +19,7 @@ def settled(draft: Draft, depth: int) -> Expression:
     with draft.without_randomness():
         options: list[Option] = [
             (1, lambda: constant(draft.choices.chance(0.5))),
-            (3, lambda: comparison(scalars.scalar(draft, 0, 3, depth), draft.choices.pick(["<", ">=", "==", "!="]), scalars.literal(draft, 0, 3))),
+            (3, lambda: comparison(scalars.scalar(draft, 0, 3, depth), draft.choices.pick(["<", ">=", "==", "!="]), scalars.scalar_literal(draft, 0, 3))),
         ]
         if bounded(draft, random=False):
             options.append((4, lambda: threshold(draft, random=False)))
@@ -70,7 +70,7 @@ def drawn(draft: Draft) -> Expression:
     value = distributions.distribution(draft, 0, 4, 1) if draft.may_draw() else None
     if value is None:
         return constant(True)
-    hopeful = call("Uniform", scalars.literal(draft, 0, 1.75), value)
+    hopeful = call("Uniform", scalars.scalar_literal(draft, 0, 1.75), value)
     return comparison(hopeful, draft.choices.pick(["<=", "<"]), number(2)) if draft.afford(2) else comparison(value, ">=", number(0))
 
 
@@ -78,7 +78,7 @@ def untrue(draft: Draft) -> Expression:
     """`not E` for a whole number, which is untrue where it is 0."""
     if not (draft.may_draw() and draft.afford(3)):
         return p.UnaryOperation(operator="not", operand=constant(False))
-    return p.UnaryOperation(operator="not", operand=call("Uniform", constant(0), constant(0), scalars.literal(draft, 0, 3)))
+    return p.UnaryOperation(operator="not", operand=call("Uniform", constant(0), constant(0), scalars.scalar_literal(draft, 0, 3)))
 
 
 def condition(draft: Draft, depth: int) -> Expression:
@@ -105,19 +105,19 @@ def spatial(draft: Draft, other: Expression) -> list[Option]:
     far = number(draft.choices.pick([reach, reach / 2, 1.5 * reach]))
     options: list[Option] = [
         (2, lambda: comparison(e.Distance(target=other), draft.choices.pick(["<", "<="]), far)),
-        (1, lambda: comparison(e.Distance(origin=other, target=vectors.argument(draft, 1)), ">", number(draft.choices.pick([2, 1, 4])))),
+        (1, lambda: comparison(e.Distance(origin=other, target=vectors.vector_argument(draft, 1)), ">", number(draft.choices.pick([2, 1, 4])))),
         (1, lambda: comparison(call("abs", e.Angle(target=other)), "<", degrees(draft.choices.pick([120, 90, 170])))),
         (1, lambda: comparison(call("abs", e.RelativeHeading(heading=other)), ">", degrees(draft.choices.pick([5, 30, 0])))),
         (1, lambda: comparison(e.ApparentHeading(oriented_point=other), draft.choices.pick(["<", ">"]), degrees(draft.choices.pick([30, 0])))),
         (1, lambda: comparison(e.DistancePast(vector=other), "<", far)),
     ]
     if draft.allows("visibility"):
-        options.append((4, lambda: e.CanSee(viewer=name("ego"), target=draft.choices.pick([other, vectors.argument(draft, 1)]))))
+        options.append((4, lambda: e.CanSee(viewer=name("ego"), target=draft.choices.pick([other, vectors.vector_argument(draft, 1)]))))
     if draft.allows("regions"):
-        subject = draft.choices.pick([other, vectors.argument(draft, 1)])
-        options.append((3, lambda: is_in(subject, regions.argument(draft))))
+        subject = draft.choices.pick([other, vectors.vector_argument(draft, 1)])
+        options.append((3, lambda: is_in(subject, regions.region_argument(draft))))
         if draft.allows("released"):
-            options.append((6, lambda: is_in(subject, e.NotVisible(region=regions.argument(draft)))))
+            options.append((6, lambda: is_in(subject, e.NotVisible(region=regions.region_argument(draft)))))
     if draft.allows("released"):
         options.append((6, lambda: p.UnaryOperation(operator="not", operand=e.Intersects(left=name("ego"), right=other))))
     return options

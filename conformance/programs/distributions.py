@@ -27,7 +27,7 @@ def inner(draft: Draft, low: float, high: float, depth: int) -> Expression:
     """A value or parameter of a distribution, which may itself be drawn."""
     if depth > 0 and draft.allows("nested") and draft.choices.chance(0.4):
         return scalars.scalar(draft, low, high, depth - 1)
-    return scalars.literal(draft, low, high)
+    return scalars.scalar_literal(draft, low, high)
 
 
 def uniform(draft: Draft, low: float, high: float, depth: int) -> Expression | None:
@@ -71,7 +71,7 @@ def halves(draft: Draft, low: float, high: float, depth: int) -> tuple[Expressio
     middle = scalars.literal_value(draft, low, high)
     if depth > 0 and draft.allows("chained_draws"):
         return scalars.scalar(draft, low, middle, depth - 1), scalars.scalar(draft, middle, high, depth - 1)
-    return scalars.literal(draft, low, middle), scalars.literal(draft, middle, high)
+    return scalars.scalar_literal(draft, low, middle), scalars.scalar_literal(draft, middle, high)
 
 
 def interval(draft: Draft, low: float, high: float, depth: int) -> Expression:
@@ -91,13 +91,13 @@ def truncated(draft: Draft, low: float, high: float) -> Expression:
 
 def normal(draft: Draft, low: float, high: float) -> Expression:
     """`min(max(Normal(mean, stdDev), low), high)`: an atom at each end."""
-    mean, deviation = scalars.literal(draft, low, high), number(draft.choices.pick([1, 0.5, 0]))
+    mean, deviation = scalars.scalar_literal(draft, low, high), number(draft.choices.pick([1, 0.5, 0]))
     return call("min", call("max", call("Normal", mean, deviation), number(low)), number(high))
 
 
 def point_mass(draft: Draft, low: float, high: float) -> Expression:
     """A continuous distribution of zero width: finite as well."""
-    value = scalars.literal(draft, low, high)
+    value = scalars.scalar_literal(draft, low, high)
     return call("Range", value, value) if draft.choices.chance(0.5) else call("Normal", value, constant(0))
 
 

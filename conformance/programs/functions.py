@@ -11,18 +11,18 @@ from . import booleans, objects, scalars
 from .draft import Draft, Variable
 from .tree import alone, assign, attribute, call, clamped, constant, give_back, name, number, operation, parameter
 
-Form = Callable[[Draft], tuple[Block, Variable]]
+FunctionForm = Callable[[Draft], tuple[Block, Variable]]
 
 
 def definition(draft: Draft) -> tuple[Block, Variable]:
     """A function of one of several forms, and the variable that is bound to it."""
-    forms: list[tuple[int, Form]] = [(4, plain), (2, with_default), (2, spreading), (1, short), (2, closure), (1, counter)]
+    forms: list[tuple[int, FunctionForm]] = [(4, plain), (2, with_default), (2, spreading), (1, short), (2, closure), (1, counter)]
     if objects.may_create(draft):
         forms.append((3, maker))
     return draft.choices.weighted(forms)(draft)
 
 
-def body(draft: Draft, low: float, high: float) -> Block:
+def function_body(draft: Draft, low: float, high: float) -> Block:
     """Statements of a function that returns a scalar in [low, high]."""
     draft.inside, before = "function", draft.inside
     found: list[Statement] = []
@@ -46,7 +46,7 @@ def plain(draft: Draft) -> tuple[Block, Variable]:
     with draft.definition():
         for each, (least, most) in zip(names, takes, strict=True):
             draft.define(Variable(each, "scalar", least, most))
-        statements = body(draft, low, high)
+        statements = function_body(draft, low, high)
         cost = draft.cost_so_far()
     node = s.FunctionDefinition(name=function, parameters=tuple(map(parameter, names)), body=statements)
     return (node,), Variable(function, "function", low, high, takes=takes, cost=cost)
@@ -59,7 +59,7 @@ def with_default(draft: Draft) -> tuple[Block, Variable]:
     with draft.definition():
         draft.define(Variable(first, "scalar", 0, 1))
         draft.define(Variable(second, "scalar", 0, 1))
-        statements = body(draft, 0, 2)
+        statements = function_body(draft, 0, 2)
         cost = draft.cost_so_far()
     node = s.FunctionDefinition(name=function, parameters=(parameter(first), parameter(second, default)), body=statements)
     return (node,), Variable(function, "function", 0, 2, takes=((0.0, 1.0), (0.0, 1.0)), optional=1, cost=cost)
@@ -74,7 +74,7 @@ def spreading(draft: Draft) -> tuple[Block, Variable]:
         result = operation(result, "+", call(attribute(name("named"), "get"), constant("extra"), number(0)))
     parameters = [parameter(first), parameter("rest", kind="*args")]
     if draft.choices.chance(0.3):
-        parameters.append(parameter("more", scalars.literal(draft, 0, 1), kind="keyword only"))
+        parameters.append(parameter("more", scalars.scalar_literal(draft, 0, 1), kind="keyword only"))
         result = operation(result, "+", name("more"))
     if named:
         parameters.append(parameter("named", kind="**kwargs"))

@@ -57,7 +57,7 @@ def derived(draft: Draft) -> Expression:
         case 1:
             return attribute(position, draft.choices.pick(["x", "y"]))
         case _:
-            return e.Distance(origin=position, target=vectors.literal(draft, draft.settings.area))
+            return e.Distance(origin=position, target=vectors.vector_literal(draft, draft.settings.area))
 
 
 def new_default(draft: Draft, properties: list[Property], made: list[s.PropertyDefault]) -> s.PropertyDefault | None:

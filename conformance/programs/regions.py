@@ -54,7 +54,7 @@ def negative(node: Expression) -> Expression:
 def polyline(draft: Draft) -> Expression:
     """A curve, which orients what stands on it, or not."""
     reach = draft.settings.area
-    ends = [pair(number(k * reach / 2 - reach), scalars.literal(draft, -reach, reach)) for k in range(draft.choices.integer(2, 4))]
+    ends = [pair(number(k * reach / 2 - reach), scalars.scalar_literal(draft, -reach, reach)) for k in range(draft.choices.integer(2, 4))]
     points = p.ListDisplay(items=tuple(ends))
     return call("PolylineRegion", points) if draft.choices.chance(0.7) else call("PolylineRegion", points, orientation=constant(False))
 
@@ -62,7 +62,7 @@ def polyline(draft: Draft) -> Expression:
 def spots(draft: Draft) -> Expression:
     """Some points: as many draws as points are counted, even where no draw follows."""
     reach = draft.settings.area
-    return p.ListDisplay(items=tuple(pair(number(k * 5 - 10), scalars.literal(draft, -reach, reach)) for k in range(3)))
+    return p.ListDisplay(items=tuple(pair(number(k * 5 - 10), scalars.scalar_literal(draft, -reach, reach)) for k in range(3)))
 
 
 def limited(draft: Draft) -> Expression:
@@ -73,7 +73,7 @@ def limited(draft: Draft) -> Expression:
     return visible_from(inner, name(draft.choices.pick(draft.known("object", "point")).name))
 
 
-def argument(draft: Draft) -> Expression:
+def region_argument(draft: Draft) -> Expression:
     """A region where one is asked about: a variable, or one made on the spot."""
     options: list[Option] = [(1, lambda: region(draft, 1))]
     if draft.known("region"):
@@ -86,10 +86,10 @@ def field(draft: Draft) -> Expression:
     with draft.block(), draft.without_draws():
         at = draft.fresh("v")
         options: list[Option] = [
-            (2, lambda: headings.literal(draft)),
+            (2, lambda: headings.heading_literal(draft)),
             (3, lambda: operation(attribute(name(at), draft.choices.pick(["x", "y"])), "*", degrees(draft.choices.pick([2, 5, -3])))),
             (1, lambda: operation(attribute(name(at), "x"), "/", number(10))),
-            (1, lambda: e.Angle(origin=name(at), target=vectors.literal(draft, draft.settings.area))),
+            (1, lambda: e.Angle(origin=name(at), target=vectors.vector_literal(draft, draft.settings.area))),
         ]
         if draft.known("heading"):
             options.append((2, lambda: name(draft.choices.pick(draft.known("heading")).name)))

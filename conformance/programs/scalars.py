@@ -25,14 +25,14 @@ def literal_value(draft: Draft, low: float, high: float) -> float:
     return chosen if coarse else chosen / 4
 
 
-def literal(draft: Draft, low: float, high: float) -> Expression:
+def scalar_literal(draft: Draft, low: float, high: float) -> Expression:
     """A number in the interval as a literal."""
     return number(literal_value(draft, low, high))
 
 
 def scalar(draft: Draft, low: float, high: float, depth: int) -> Expression:
     """An expression with values in [low, high]."""
-    options: list[Option] = [(4, lambda: literal(draft, low, high))]
+    options: list[Option] = [(4, lambda: scalar_literal(draft, low, high))]
     if draft.may_draw():
         options.append((5, lambda: distributions.distribution(draft, low, high, depth)))
     fitting = [v for v in draft.known("scalar") if low <= v.low and v.high <= high]
@@ -41,11 +41,11 @@ def scalar(draft: Draft, low: float, high: float, depth: int) -> Expression:
     if draft.own and not draft.settled:
         options.append((8, lambda: own_property(draft, low, high)))
     if depth > 0:
-        options += composed(draft, low, high, depth - 1)
+        options += composed_scalar(draft, low, high, depth - 1)
     return first_that_works(draft, options)
 
 
-def composed(draft: Draft, low: float, high: float, depth: int) -> list[Option]:
+def composed_scalar(draft: Draft, low: float, high: float, depth: int) -> list[Option]:
     """The ways to put smaller expressions together."""
     options: list[Option] = [
         (2, lambda: operation(scalar(draft, low / 2, high / 2, depth), "+", scalar(draft, low / 2, high / 2, depth))),
@@ -123,7 +123,7 @@ def gone_through(draft: Draft, xs: Expression) -> Expression:
     """What a generator over a list gives: its first element, or all of them together."""
     one, other = draft.fresh("y"), draft.fresh("y")
     if draft.choices.chance(0.5):
-        target, source, element = name(one), draft.choices.pick([xs, call("reversed", xs)]), operation(name(one), "+", literal(draft, 0, 2))
+        target, source, element = name(one), draft.choices.pick([xs, call("reversed", xs)]), operation(name(one), "+", scalar_literal(draft, 0, 2))
     else:
         target, source = p.TupleDisplay(items=(name(one), name(other))), call("zip", xs, call("reversed", xs))
         element = operation(name(one), "-", name(other))
@@ -199,32 +199,32 @@ def measures(draft: Draft, depth: int) -> list[Option]:
     options: list[Option] = [
         (2, lambda: attribute(someone, "heading")),
         (1, lambda: attribute(someone, "position", draft.choices.pick(["x", "y"]))),
-        (2, lambda: e.Distance(origin=vectors.argument(draft, depth), target=vectors.argument(draft, depth))),
-        (1, lambda: e.Angle(origin=vectors.argument(draft, depth), target=vectors.argument(draft, depth))),
-        (1, lambda: e.RelativeHeading(heading=headings.argument(draft, depth), origin=headings.argument(draft, depth))),
-        (1, lambda: e.ApparentHeading(oriented_point=someone, origin=vectors.argument(draft, depth))),
-        (1, lambda: e.DistancePast(oriented_point=someone, vector=vectors.argument(draft, depth))),
+        (2, lambda: e.Distance(origin=vectors.vector_argument(draft, depth), target=vectors.vector_argument(draft, depth))),
+        (1, lambda: e.Angle(origin=vectors.vector_argument(draft, depth), target=vectors.vector_argument(draft, depth))),
+        (1, lambda: e.RelativeHeading(heading=headings.heading_argument(draft, depth), origin=headings.heading_argument(draft, depth))),
+        (1, lambda: e.ApparentHeading(oriented_point=someone, origin=vectors.vector_argument(draft, depth))),
+        (1, lambda: e.DistancePast(oriented_point=someone, vector=vectors.vector_argument(draft, depth))),
     ]
     if draft.allows("released"):
         options += [
             (1, lambda: attribute(someone, draft.choices.pick(["x", "y"]))),
-            (1, lambda: call(attribute(someone, "distanceTo"), vectors.argument(draft, depth))),
-            (1, lambda: call(attribute(someone, "angleTo"), vectors.argument(draft, depth))),
+            (1, lambda: call(attribute(someone, "distanceTo"), vectors.vector_argument(draft, depth))),
+            (1, lambda: call(attribute(someone, "angleTo"), vectors.vector_argument(draft, depth))),
         ]
     if draft.known("object"):
         thing = name(draft.choices.pick(draft.known("object")).name)
         options.append((2, lambda: attribute(thing, draft.choices.pick(["width", "length", draft.view_distance]))))
     if draft.known("region"):
         region = name(draft.choices.pick(draft.known("region")).name)
-        options.append((1, lambda: e.Distance(origin=vectors.argument(draft, depth), target=region)))
+        options.append((1, lambda: e.Distance(origin=vectors.vector_argument(draft, depth), target=region)))
     if draft.has_ego:
         options += [
-            (1, lambda: e.Distance(target=vectors.argument(draft, depth))),
-            (1, lambda: e.Distance(origin=vectors.argument(draft, depth))),
-            (1, lambda: e.Angle(target=vectors.argument(draft, depth))),
-            (1, lambda: e.RelativeHeading(heading=headings.argument(draft, depth))),
+            (1, lambda: e.Distance(target=vectors.vector_argument(draft, depth))),
+            (1, lambda: e.Distance(origin=vectors.vector_argument(draft, depth))),
+            (1, lambda: e.Angle(target=vectors.vector_argument(draft, depth))),
+            (1, lambda: e.RelativeHeading(heading=headings.heading_argument(draft, depth))),
             (1, lambda: e.ApparentHeading(oriented_point=someone)),
-            (1, lambda: e.DistancePast(vector=vectors.argument(draft, depth))),
+            (1, lambda: e.DistancePast(vector=vectors.vector_argument(draft, depth))),
         ]
     return options
 

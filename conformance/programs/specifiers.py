@@ -77,7 +77,7 @@ def position(draft: Draft, depth: int) -> PlaceSpecifier:
         case "following" | "following from" as form:
             return PlaceSpecifier(following(draft, from_ego=form == "following"))
         case "in":
-            return PlaceSpecifier(q.InSpecifier(keyword=draft.choices.pick(["in", "on"]), region=regions.argument(draft)))
+            return PlaceSpecifier(q.InSpecifier(keyword=draft.choices.pick(["in", "on"]), region=regions.region_argument(draft)))
         case "visible":
             return PlaceSpecifier(visible(draft))
         case _:
@@ -98,14 +98,14 @@ def beside(draft: Draft, reference: Expression) -> q.BesideSpecifier:
 def beyond(draft: Draft, *, from_ego: bool) -> q.BeyondSpecifier:
     """`beyond V by V [from V]`."""
     offset = pair(scalars.scalar(draft, -3, 3, 0), scalars.scalar(draft, 1, 6, 0))
-    vector = vectors.argument(draft, 1)
-    return q.BeyondSpecifier(vector=vector, offset=offset, origin=None if from_ego else vectors.argument(draft, 1))
+    vector = vectors.vector_argument(draft, 1)
+    return q.BeyondSpecifier(vector=vector, offset=offset, origin=None if from_ego else vectors.vector_argument(draft, 1))
 
 
 def following(draft: Draft, *, from_ego: bool) -> q.FollowingSpecifier:
     """`following F [from V] for S`."""
     field, distance = name(draft.choices.pick(draft.known("field")).name), scalars.scalar(draft, 3, 12, 1)
-    return q.FollowingSpecifier(field=field, distance=distance, origin=None if from_ego else vectors.argument(draft, 1))
+    return q.FollowingSpecifier(field=field, distance=distance, origin=None if from_ego else vectors.vector_argument(draft, 1))
 
 
 def visible(draft: Draft) -> q.VisibleSpecifier:
@@ -123,25 +123,25 @@ def facing(draft: Draft, depth: int, *, free: bool) -> Specifier:
         forms += [(12, "waiting")] if draft.known("waiting") else []
     match draft.choices.weighted(forms):
         case "with":
-            return q.WithSpecifier(property="heading", value=headings.argument(draft, 1))
+            return q.WithSpecifier(property="heading", value=headings.heading_argument(draft, 1))
         case "toward":
-            return q.FacingTowardSpecifier(vector=vectors.argument(draft, 1))
+            return q.FacingTowardSpecifier(vector=vectors.vector_argument(draft, 1))
         case "away":
-            return q.FacingAwayFromSpecifier(vector=vectors.argument(draft, 1))
+            return q.FacingAwayFromSpecifier(vector=vectors.vector_argument(draft, 1))
         case "apparently":
-            return q.ApparentlyFacingSpecifier(heading=headings.argument(draft, 1))
+            return q.ApparentlyFacingSpecifier(heading=headings.heading_argument(draft, 1))
         case "apparently from":
-            return q.ApparentlyFacingSpecifier(heading=headings.argument(draft, 1), origin=vectors.argument(draft, 1))
+            return q.ApparentlyFacingSpecifier(heading=headings.heading_argument(draft, 1), origin=vectors.vector_argument(draft, 1))
         case "field":
             return q.FacingSpecifier(direction=name(draft.choices.pick(draft.known("field")).name))
         case "relative":
             return q.FacingSpecifier(direction=relative(draft))
         case "waiting":
             waiting = name(draft.choices.pick(draft.known("waiting")).name)
-            direction = call("max", waiting, headings.literal(draft)) if draft.choices.chance(0.2) else waiting
+            direction = call("max", waiting, headings.heading_literal(draft)) if draft.choices.chance(0.2) else waiting
             return q.FacingSpecifier(direction=direction)
         case _:
-            return q.FacingSpecifier(direction=headings.argument(draft, depth))
+            return q.FacingSpecifier(direction=headings.heading_argument(draft, depth))
 
 
 def relative(draft: Draft) -> Expression:
@@ -167,7 +167,7 @@ def properties(draft: Draft, class_: Class, depth: int) -> list[Specifier]:
     if class_.is_object and draft.allows("visibility") and draft.choices.chance(0.3):
         found.append(seeing(draft))
     if class_.is_object and draft.allows("workspace") and draft.known("region") and draft.choices.chance(0.3):
-        wide = call("CircularRegion", vectors.literal(draft, 2), number(2 * draft.settings.area))
+        wide = call("CircularRegion", vectors.vector_literal(draft, 2), number(2 * draft.settings.area))
         found.append(q.WithSpecifier(property="regionContainedIn", value=wide))
     return found
 

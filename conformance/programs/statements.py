@@ -169,14 +169,14 @@ def random_list(draft: Draft) -> Block | None:
     known = draft.known("list", "lists")
     if known and draft.choices.chance(0.6):
         chosen = draft.choices.pick(known)
-        test = p.Lambda(parameters=(p.Parameter(name="v"),), body=comparison(name("v"), ">", scalars.literal(draft, chosen.low, chosen.high)))
+        test = p.Lambda(parameters=(p.Parameter(name="v"),), body=comparison(name("v"), ">", scalars.scalar_literal(draft, chosen.low, chosen.high)))
         value: Expression = call("filter", test, name(chosen.name))
         draft.define(Variable(target, "lists", chosen.low, chosen.high, size=0, most=chosen.most))
         return (assign(target, value),)
     if not draft.afford(2):
         return None
     sizes = [draft.choices.integer(1, draft.settings.max_loop) for _ in range(2)]
-    value = call("Uniform", *(p.ListDisplay(items=tuple(scalars.literal(draft, low, high) for _ in range(size))) for size in sizes))
+    value = call("Uniform", *(p.ListDisplay(items=tuple(scalars.scalar_literal(draft, low, high) for _ in range(size))) for size in sizes))
     draft.define(Variable(target, "lists", low, high, size=min(sizes), most=max(sizes)))
     return (assign(target, value),)
 
@@ -186,7 +186,7 @@ def random_pair(draft: Draft) -> Block | None:
     low, high = draft.choices.pick(INTERVALS)
     if not draft.afford(2):
         return None
-    pairs = (p.TupleDisplay(items=(scalars.literal(draft, low, high), scalars.literal(draft, low, high))) for _ in range(2))
+    pairs = (p.TupleDisplay(items=(scalars.scalar_literal(draft, low, high), scalars.scalar_literal(draft, low, high))) for _ in range(2))
     first, second = draft.fresh("x"), draft.fresh("x")
     for each in (first, second):
         draft.define(Variable(each, "scalar", low, high))
@@ -265,7 +265,7 @@ def printed(draft: Draft) -> Block | None:
         case 0:
             return (s.Pass(),)
         case 1:
-            return (alone(call("print", constant("here"), scalars.literal(draft, 0, 5))),)
+            return (alone(call("print", constant("here"), scalars.scalar_literal(draft, 0, 5))),)
         case _:
             return (s.Assert(test=p.Comparison(left=number(1), operators=("<",), operands=(number(2),)), message=constant("never")),)
 
@@ -325,8 +325,8 @@ def workspace(draft: Draft) -> Block:
     """`workspace = Workspace(R)`, larger than where objects stand as a rule."""
     reach = draft.settings.area
     sides = number(draft.choices.pick([3 * reach, 4 * reach]))
-    disc = call("CircularRegion", vectors.literal(draft, 2), number(2 * reach))
-    square = call("RectangularRegion", vectors.literal(draft, 2), number(0), sides, sides)
+    disc = call("CircularRegion", vectors.vector_literal(draft, 2), number(2 * reach))
+    square = call("RectangularRegion", vectors.vector_literal(draft, 2), number(0), sides, sides)
     shape = draft.choices.pick([disc, square])
     return (assign("workspace", call("Workspace", shape)),)
 

@@ -145,8 +145,7 @@ def prune_point(
     return Pruned(drawn.address, drawn.region, region, before.area, shape.area, tuple(used)), findings
 
 
-Applied = tuple[Shape | None, str]
-APPLY: dict[Technique, Callable[[apply.Point, Shape, Knowledge], Applied]] = {
+APPLY: dict[Technique, Callable[[apply.Point, Shape, Knowledge], apply.Applied]] = {
     "containment": apply.containment,
     "orientation": apply.orientation,
     "size": apply.size,

@@ -16,7 +16,7 @@ from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Regio
 from ...semantics.space.regions.approximation import box_shape
 from ..batch.trace.graph import Graph, GraphNode, RowCall
 from ..batch.trace.structures import symbols_in
-from .forms import Operand, Point, bounds, bounds_of_value, field_looked_up, point_of
+from .forms import Point, bounds, bounds_of_value, field_looked_up, point_of
 from .intervals import Interval
 from .shapes import Shape, polygons_of
 
@@ -156,6 +156,3 @@ def points_apart(node: GraphNode) -> tuple[Point, Point] | None:
             return (x1, y1), (x2, y2)  # type: ignore[return-value]
         case _:
             return None
-
-
-__all__ = ["Contained", "Located", "Operand", "Truth", "contained", "limits", "located", "min_radius", "points_apart", "shape_of", "truths"]

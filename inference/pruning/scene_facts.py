@@ -70,6 +70,3 @@ def default_distances(state: State) -> Iterator[Near]:
             distance = bounds_of_value(property_of(state, ego, view_distance(state.settings.readings))).high + math.hypot(*sizes)
             if math.isfinite(distance):
                 yield Near(viewer, seen, max(distance, 0.0))
-
-
-__all__ = ["Near", "default_containers", "default_distances", "is_mutated", "name_of", "position_of", "property_of"]

@@ -17,7 +17,7 @@ from .columns import FeatureTable, stacked
 HEAPS = 32
 KEPT = 64 << 20
 """Bytes that stay in memory."""
-CHUNK = 1 << 14
+SHUFFLED_CHUNK = 1 << 14
 """Scenes of the tables into which pieces are joined before they are dealt out."""
 
 Packed = tuple[str, object, object]
@@ -38,7 +38,7 @@ class Shuffled:
         """Further scenes."""
         self.n += table.n
         self.waiting.append(table)
-        if sum(t.n for t in self.waiting) >= CHUNK:
+        if sum(t.n for t in self.waiting) >= SHUFFLED_CHUNK:
             self.deal()
 
     def deal(self) -> None:

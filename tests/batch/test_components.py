@@ -13,7 +13,7 @@ from scenic_ref.inference.batch.evaluate.components import Component, components
 from scenic_ref.inference.batch.evaluate.sampling import BlockDrawing
 from scenic_ref.inference.batch.trace.graph import Site
 from scenic_ref.inference.batch.trace.running import trace
-from scenic_ref.inference.enumeration import content_of
+from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.inference.statistics.laws import Categorical, evidence
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
@@ -59,8 +59,8 @@ def graph_of(text: str):
 
 def against_the_law(batch: Batch, scenario: Scenario, count: int) -> float:
     """The evidence (log10 of an e-value) against the scenes of a batch having the enumerated distribution."""
-    law = Categorical(scenario.enumerate().law(content_of))
-    return evidence([content_of(scene) for scene in batch.scenes(count, 17)], law)
+    law = Categorical(scenario.enumerate().law(content_of_scene))
+    return evidence([content_of_scene(scene) for scene in batch.scenes(count, 17)], law)
 
 
 # The tree

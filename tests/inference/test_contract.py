@@ -18,7 +18,7 @@ from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.formats.scenes import Scene
 from scenic_ref.inference.batch import Batch
-from scenic_ref.inference.enumeration import Enumeration, content_of
+from scenic_ref.inference.enumeration import Enumeration, content_of_scene
 from scenic_ref.inference.inferred import LEVEL, Probability
 from scenic_ref.inference.rejection import acceptance
 from scenic_ref.inference.sites.moves import NAMES, Moves
@@ -88,10 +88,10 @@ def test_all_backends_have_the_enumerated_law(part: int) -> None:
     """Level: 1e-9 for the laws of all programs and backends together; so many intervals of 99.9 % may miss as do in 99 of 100 parts."""
     missed, intervals = list[str](), 0
     for scenario, exact in finite_programs(part):
-        law = Categorical(exact.law(content_of))
+        law = Categorical(exact.law(content_of_scene))
         for name, draw in BACKENDS.items():
             scenes, found = draw(scenario, 3)
-            assert not contradicts([content_of(scene) for scene in scenes], law, 1e-9 / COUNT / len(BACKENDS)), name
+            assert not contradicts([content_of_scene(scene) for scene in scenes], law, 1e-9 / COUNT / len(BACKENDS)), name
             intervals += 1
             if not found.low <= exact.acceptance <= found.high:
                 missed.append(name)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.formats.scenes import Scene
-from scenic_ref.inference.enumeration import content_of
+from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
 from scenic_ref.semantics.kernel.errors import UsageError
 
@@ -72,7 +72,7 @@ def test_words_are_parameters_too() -> None:
     scenes = kernel.scenes(mcmc.get_samples())
     assert len({scene.objects[1].position for scene in scenes}) > 5
     kernel.initial_params = {name: value[0] for name, value in mcmc.get_samples().items()}
-    assert content_of(kernel.scenes({n: v[None] for n, v in kernel.initial_params.items()})[0]) == content_of(scenes[0])
+    assert content_of_scene(kernel.scenes({n: v[None] for n, v in kernel.initial_params.items()})[0]) == content_of_scene(scenes[0])
 
 
 def test_the_model_has_a_statement_for_each_draw_and_the_law_of_the_program() -> None:
@@ -87,7 +87,7 @@ def test_the_model_has_a_statement_for_each_draw_and_the_law_of_the_program() ->
     assert "requirements" in trace.nodes
     scenes = drawn_by(model, 900)
     exact = scenario.enumerate()
-    assert not contradicts([content_of(scene) for scene in scenes], Categorical(exact.law(content_of)))
+    assert not contradicts([content_of_scene(scene) for scene in scenes], Categorical(exact.law(content_of_scene)))
     assert abs(len(scenes) / 900 - exact.acceptance) < 0.1
 
 

@@ -12,7 +12,7 @@ from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.formats.scenes import scene_of
 from scenic_ref.inference.batch.evaluate.margins import points_away, polygon_margin
-from scenic_ref.inference.enumeration import content_of
+from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.inference.sites.moves import EXCHANGE, REDRAW, STEP, Moves, MovesMade
 from scenic_ref.inference.sites.states import States
 from scenic_ref.inference.sites.target import Target
@@ -63,8 +63,8 @@ def agree(target: Target, count: int) -> int:
     assert [v == 0 for v in found.violation] == [e is not None for e in ended]
     assert (target.assess(states).violation == 0).tolist() == [e is not None for e in ended]
     accepted = np.flatnonzero(found.violation == 0)
-    made = [content_of(scene) for scene in target.scenes(states.at(accepted), 0)]
-    assert made == [content_of(scene_of(ended[row].state, 0, 0, 1)) for row in accepted]  # type: ignore[union-attr]
+    made = [content_of_scene(scene) for scene in target.scenes(states.at(accepted), 0)]
+    assert made == [content_of_scene(scene_of(ended[row].state, 0, 0, 1)) for row in accepted]  # type: ignore[union-attr]
     return len(accepted)
 
 
@@ -237,8 +237,8 @@ def test_moves_leave_the_laws_of_finite_programs_as_they_are(index: int) -> None
         return
     target = target_of(scenario)
     states = accepted(target, 1_500)
-    made = [content_of(scene) for scene in target.scenes(moved(target, states, random(6), None, 8), 0)]
-    assert not contradicts(made, Categorical(exact.law(content_of)), DEFAULT_ALPHA / 60)
+    made = [content_of_scene(scene) for scene in target.scenes(moved(target, states, random(6), None, 8), 0)]
+    assert not contradicts(made, Categorical(exact.law(content_of_scene)), DEFAULT_ALPHA / 60)
 
 
 def test_each_kind_of_move_is_made_and_keeps_what_it_should() -> None:

@@ -16,9 +16,8 @@ import pytest
 from scenic_ref.conformance.environments import MADE, Release, make
 from scenic_ref.interpreter.caches import cache_place
 from scenic_ref.roads import read_map
-from scenic_ref.roads.network import Lane, LaneSection
 from scenic_ref.roads.map_generator import made
-from scenic_ref.roads.network import Network
+from scenic_ref.roads.network import Lane, LaneSection, Network
 from scenic_ref.semantics.kernel.errors import UsageError
 
 from .test_network_in_release import MAPS

@@ -410,6 +410,3 @@ def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None 
     arguments = ", ".join(f"v{node.number}" for node in graph.arguments)
     source = "\n".join([f"def function({arguments}):", *writer.lines, f"    return {returned}"])
     return kernels.made(source, "function", writer.names, writer.callees), "\n".join([source, *writer.callees])
-
-
-__all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotCompiled", "compile_stage"]

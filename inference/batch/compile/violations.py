@@ -139,6 +139,3 @@ def compile_violations(
     except Exception as problem:  # whatever the compiler cannot do, the columns can
         raise NotCompiled(f"numba gives up ({type(problem).__name__})") from None
     return violations
-
-
-__all__ = ["NotCompiled", "compile_violations"]

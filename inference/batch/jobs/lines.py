@@ -266,6 +266,3 @@ def numbers(column: np.ndarray) -> Cells:
     if column.dtype.kind in "iu" or (column.dtype.kind == "f" and np.isfinite(column).all()):
         return column
     return [text(json_value(v)) for v in column.tolist()]
-
-
-__all__ = ["Lines", "lines_of"]

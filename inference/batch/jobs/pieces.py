@@ -48,6 +48,3 @@ def joined(pieces: Sequence[Cells], count: int) -> list[str]:
     if all(isinstance(part, str) for part in parts):
         return ["".join(parts)] * count  # type: ignore[arg-type]
     return list(map("".join, zip(*(repeat(part, count) if isinstance(part, str) else part for part in parts), strict=True)))
-
-
-__all__ = ["Cells", "Picked", "joined", "merged"]

@@ -36,7 +36,7 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
 EXAMINES = (operator.is_, operator.is_not, operator.eq, operator.ne, bool, UNARY["not"])
 """Operations by which a program asks, among other things, whether a value is None."""
 ZERO_DIVIDES = (operator.truediv, operator.mod)
-FEW, MANY = 64, 1 << 14
+FEW_CASES, MANY_CASES = 64, 1 << 14
 """What is done for every combination of values of several choices, or for every value of one, is done for no more than these."""
 DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
 STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass, BaseException)
@@ -125,7 +125,7 @@ def _few(choices: dict[int, Choice]) -> bool:
     total = 1
     for choice in choices.values():
         total *= len(choice.values)
-    return total <= (MANY if len(choices) == 1 else FEW)
+    return total <= (MANY_CASES if len(choices) == 1 else FEW_CASES)
 
 
 def _is_number(value: object) -> bool:
