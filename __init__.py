@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import errors
-    from .formats.scenes import Scene, SceneObject
+    from .data.scene import Scene, SceneObject
     from .roads.geodata import save_map
     from .scenario import Scenario, load, loads
 
@@ -21,7 +21,7 @@ __version__ = "0.1.0"
 __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads", "save_map"]
 
 _HOMES = {
-    "Scene": ".formats.scenes", "SceneObject": ".formats.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
+    "Scene": ".data.scene", "SceneObject": ".data.scene", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
     "errors": ".errors", "save_map": ".roads.geodata",
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..formats.pictures import CLASSES, EGO, INK, check_format, written
+from ..pictures.scene_figures import CLASSES, EGO, INK, check_format, written
 
 if TYPE_CHECKING:
     from .figures import Figures

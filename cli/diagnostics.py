@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from .. import __version__
-from ..formats.scenes import in_json, in_utf8
+from ..data.scene import in_json, in_utf8
 from ..interpreter.warnings import KINDS
 from ..scenario.diagnosing import Diagnostic, record
 from .session import escaped

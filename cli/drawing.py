@@ -10,7 +10,7 @@ from functools import cache, cached_property
 from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..interpreter.dialects import DEFAULT, DIALECTS
 from ..interpreter.running import Accepted, Witness
 from ..scenario.noticing import warnings_about

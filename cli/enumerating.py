@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..formats.scenes import in_json
+from ..data.scene import in_json
 from ..inference.enumeration import Enumeration
 from ..inference.inferred import Probability, report
 from ..inference.statistics.columns import Column
@@ -161,7 +161,7 @@ def show(found: Enumeration) -> None:
 
 def plot(found: Enumeration, path: str, name: str) -> None:
     """The outcomes as bars, the likeliest first. Raises `UsageError`."""
-    from ..formats.pictures import bar_chart
+    from ..pictures.scene_figures import bar_chart
 
     columns = varying(found)[:MOST_COLUMNS]
     shown = found.outcomes[:MOST_ROWS]

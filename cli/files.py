@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..formats.whole_files import write_whole
+from ..data.atomic_files import write_whole
 from ..semantics.kernel.errors import UsageError
 
 LINES = (".jsonl", ".ndjson", "")

@@ -15,7 +15,7 @@ from ..conformance.fuzzing.causes import Cause
 from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
 from ..conformance.fuzzing.judgements import CampaignFindings, JudgedFinding, to_toml
 from ..conformance.fuzzing.saving import draft_of
-from ..formats.comparisons import side_by_side
+from ..pictures.side_by_side import side_by_side
 from .files import write
 
 FINDINGS = "findings.toml"

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from ..formats.chains import inference_data_in, needs_arviz, picture_with_chains
-from ..formats.pictures import picture
-from ..formats.scenes import in_json
-from ..formats.table_files import SUFFIXES
+from ..data.scene import in_json
+from ..data.table_files import SUFFIXES
 from ..inference.diagnostics import nested, rhat
 from ..inference.inferred import Inferred
+from ..pictures.chain_plots import inference_data_in, needs_arviz, picture_with_chains
+from ..pictures.scene_figures import picture
 from .drawing import DrawnScene, drawing_of
 from .files import LINES, PICTURES, check_ending, check_file, check_place, write
 from .options import Source

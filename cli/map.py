@@ -108,7 +108,7 @@ def crs_in(given: list[str]) -> str | None:
 
 def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) -> None:
     """Say what is on a map of one's own, and draw it."""
-    from ..formats.site_pictures import site_picture
+    from ..pictures.map_figures import site_picture
     from ..roads.geodata import read_site
     from .columns import columns
     from .files import write
@@ -175,6 +175,6 @@ def lines(told: dict[str, object]) -> list[str]:
 
 def drawn(network: Network, path: str) -> bytes:
     """The picture of a map."""
-    from ..formats.map_pictures import map_picture
+    from ..pictures.map_figures import map_picture
 
     return map_picture(network, format=Path(path).suffix[1:].lower())

@@ -21,9 +21,9 @@ except ImportError:  # not on this system
 
 import numpy as np
 
-from ..formats.recordings import SCHEMA as SIMULATION_SCHEMA
-from ..formats.scenes import SCHEMA
-from ..formats.table_files import SUFFIXES
+from ..data.scene import SCHEMA
+from ..data.simulation import SCHEMA as SIMULATION_SCHEMA
+from ..data.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
 from ..inference.batch.jobs.shelves import LaidText
 from ..semantics.kernel.errors import UsageError
@@ -255,7 +255,7 @@ class ArrowPipe(Output):
     """Standard output, as a stream of Arrow."""
 
     def __init__(self) -> None:
-        from ..formats.arrow import ArrowStream
+        from ..data.table_files import ArrowStream
 
         if sys.stdout.isatty():
             raise UsageError("a stream of Arrow is not shown on a terminal", hint="write it to a file or a pipe")
@@ -295,7 +295,7 @@ class TableOutput(Output):
     """A table in a file, which appears only when it is complete."""
 
     def __init__(self, path: str) -> None:
-        from ..formats.table_files import open_table
+        from ..data.table_files import open_table
 
         self.table = open_table(Path(path))
 
@@ -370,7 +370,7 @@ STREAMS = ("jsonl", "arrow")
 def prepare_output(path: str | None, stream: str = "jsonl") -> None:
     """Load the library that writes the output, before the memory of the process is limited."""
     if stream == "arrow" or (path is not None and path.lower().endswith((".parquet", ".arrow"))):
-        from ..formats.arrow import prepare_arrow
+        from ..data.table_files import prepare_arrow
 
         prepare_arrow()
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..formats.recordings import Simulated
-from ..formats.replay_pages import map_below, run_shown
-from ..formats.scenes import in_json
+from ..data.scene import in_json
+from ..data.simulation import Simulated
+from ..pictures.replay_pages import map_below, run_shown
 from ..roads.network import Network
 from ..simulators.worlds.driving import MAP
 from .files import write
@@ -50,7 +50,7 @@ def network_of(scenario: Scenario) -> Network | None:
 
 def write_movie(path: str, title: str, simulation: Simulated) -> None:
     """Write a simulation as a GIF. Raises `UsageError` if that cannot be done."""
-    from ..formats.movies import frames_of, movie
+    from ..pictures.movies import frames_of, movie
 
     scene = simulation.scene
     with Progress(len(frames_of(simulation)), what="frames") as progress:

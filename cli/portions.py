@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..formats.tables import Columns
+from ..data.scene_tables import Columns
 from ..inference.batch import Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
-from ..formats.notebooks import counted
-from ..formats.table_files import SUFFIXES
+from ..data.table_files import SUFFIXES
 from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
+from ..pictures.notebook_views import counted
 from ..scenario import FEW
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
@@ -364,7 +364,7 @@ def check_earlier(drawing: Drawing, request: SceneRequest, earlier: Resumed) -> 
 
 def plot(drawing: Drawing, request: SceneRequest, known: list[tuple[int, int]]) -> None:
     """Draw the first scenes into one picture, each from the attempt that is known to give it."""
-    from ..formats.pictures import save_picture
+    from ..pictures.scene_figures import save_picture
 
     assert request.plot is not None
     shown = [drawing.again(request.seed, index, attempts) for index, attempts in known[:MOST_PLOTTED]]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ..formats.recorded import Recording, recording_from
+from ..data.recording_reader import Recording, recording_from
 from ..inference.simulation import SampledRun
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from scipy.special import bdtr
 
-from ..formats.scenes import in_json
+from ..data.scene import in_json
 from ..inference.inferred import LEVEL, Probability, report
 from ..inference.rejection import acceptance
 from ..simulators.simulating import OF_SIMULATOR

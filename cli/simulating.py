@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from ..formats.notebooks import counted
+from ..pictures.notebook_views import counted
 from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Requirement

@@ -10,11 +10,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..formats.recordings import to_line
-from ..formats.replay_pages import land_below
+from ..data.simulation import to_line
 from ..inference.batch.jobs.blocks import Workers
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.simulation import SampledRun
+from ..pictures.replay_pages import land_below
 from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError, ScenicError

@@ -9,8 +9,8 @@ from importlib.resources import files
 from itertools import islice
 from typing import NamedTuple
 
-from ..formats.recordings import Simulated
-from ..formats.scenes import in_json
+from ..data.scene import in_json
+from ..data.simulation import Simulated
 from ..inference.rejection import sample
 from ..inference.simulation import NextScene, attempts_at
 from ..interpreter.choosers import from_stream

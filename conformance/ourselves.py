@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Literal
 
 from .. import __version__
-from ..formats.recordings import Simulated, to_json
+from ..data.simulation import Simulated, to_json
 from ..inference.rejection import counting
 from ..interpreter.choosers import from_stream
 from ..interpreter.dialects import DIALECTS

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 
-from ..formats.comparisons import Boxes, boxes_of
+from ..pictures.side_by_side import Boxes, boxes_of
 from .external import External
 from .fuzzing.examining import PLACED
 from .implementation import Implementation, NeverAccepted, Refused, Task

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..formats.recordings import Body, Pose
-from ..formats.scenes import Scene
+from ..data.scene import Scene
+from ..data.simulation import Body, Pose
 from ..semantics.space.vectors import Vector
 from ..simulators.protocol import Surroundings
 from ..simulators.still import Still

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from ..formats.recordings import to_json
+from ..data.simulation import to_json
 from ..inference.statistics import compare
 from ..inference.statistics.columns import features_table
 from ..inference.statistics.facts import Facts

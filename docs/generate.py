@@ -20,9 +20,9 @@ from scenic_ref.conformance.measurements import measurements
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
-from scenic_ref.formats.comparisons import side_by_side
-from scenic_ref.formats.map_pictures import map_picture
-from scenic_ref.formats.sheets import contact_sheet
+from scenic_ref.docs.contact_sheets import contact_sheet
+from scenic_ref.pictures.map_figures import map_picture
+from scenic_ref.pictures.side_by_side import side_by_side
 from scenic_ref.roads import made_map
 from scenic_ref.roads.map_generator import KINDS
 from scenic_ref.semantics.kernel import allowed

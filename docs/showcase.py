@@ -15,8 +15,8 @@ from pathlib import Path
 import scenic_ref
 from rich.console import Console
 from rich.text import Text
-from scenic_ref.formats.movies import movie
-from scenic_ref.formats.pictures import SIDE, colours_of, draw, new_figure, views_of, written
+from scenic_ref.pictures.movies import movie
+from scenic_ref.pictures.scene_figures import SIDE, colours_of, draw, new_figure, views_of, written
 
 ROOT = Path(__file__).resolve().parents[1]
 PLACE = Path(__file__).parent / "images"

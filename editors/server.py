@@ -19,14 +19,14 @@ from pygls.workspace import TextDocument
 
 from .. import __version__
 from ..semantics.kernel.errors import UsageError
-from .checks import DELAY, CheckingQueue, Records, Revision
-from .completing import Completion, suggestions
-from .hovering import hover
-from .library import LONGEST, ModuleShelf, SourceModule
-from .lines import TextLines
-from .locating import DefinedAt, targets
+from .completion import Completion, suggestions
+from .definitions import DefinedAt, targets
+from .hover import hover
+from .live_checks import DELAY, CheckingQueue, Records, Revision
+from .module_library import LONGEST, ModuleShelf, SourceModule
+from .name_scopes import NameFinder
 from .outline import Definition, outline
-from .scopes import NameFinder
+from .positions import TextLines
 
 SOURCE = "scenic-ref"
 NO_EGO = "T-Mutate"

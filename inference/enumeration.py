@@ -15,9 +15,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
-from ..formats.notebooks import counted
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, run
+from ..pictures.notebook_views import counted
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, Requirement

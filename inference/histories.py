@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..formats.notebooks import counted
-from ..formats.recordings import Simulated, to_json
+from ..data.simulation import Simulated, to_json
 from ..interpreter.running import DEFAULT_FUEL, Beginnings
+from ..pictures.notebook_views import counted
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..simulators.protocol import Simulator

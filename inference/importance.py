@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import betaincinv
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..interpreter.streams import fold
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch

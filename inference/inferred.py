@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..formats.notebooks import counted
-from ..formats.scenes import Scene
+from ..data.scene import Scene
+from ..pictures.notebook_views import counted
 from .diagnostics import Diagnosis
 
 LEVEL = 0.999

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from scipy.special import betaincinv
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
 from ..semantics.kernel.config import Config

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
-from ..formats.notebooks import counted
-from ..formats.recordings import Simulated
+from ..data.simulation import Simulated
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Beginnings, Chooser, Witness
+from ..pictures.notebook_views import counted
 from ..semantics.dynamics.processes import DYNAMIC
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted

@@ -16,7 +16,7 @@ import pyro.distributions as dist
 import torch
 from pyro.infer.mcmc.mcmc_kernel import MCMCKernel
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..interpreter.running import Accepted, run
 from ..interpreter.streams import fold
 from ..semantics.kernel.config import Config

@@ -22,7 +22,7 @@ import shapely
 from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
-from ..formats.whole_files import write_whole
+from ..data.atomic_files import write_whole
 from ..interpreter.extras import needed
 from ..interpreter.regular_file import name_and_folder, read_regular_file
 from ..interpreter.walls import timed

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from copy import copy
 from typing import TYPE_CHECKING
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..inference.batch.trace.graph import GraphNode, RowDraw, Site
 from ..inference.batch.trace.running import Lifted, trace
 from ..inference.batch.trace.structures import nodes_in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..formats.scenes import OWN_FIELDS, json_value, scene_of
+from ..data.scene import OWN_FIELDS, json_value, scene_of
 from ..inference.batch import Batch
 from ..inference.batch.evaluate.features import supports_of
 from ..inference.batch.evaluate.plan import only_rejects

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..formats.arrow import arrow_for, arrow_table
-from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, length_of
-from ..formats.notebooks import counted
-from ..formats.scenes import Scene
-from ..formats.tables import OWN, Columns, columns_of, pieces_of, together
+from ..data.scene import Scene
+from ..data.scene_tables import OWN, Columns, columns_of, pieces_of, together
+from ..data.table_files import arrow_for, arrow_table
+from ..data.typed_columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, length_of
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import Tables
 from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.extras import needed
+from ..pictures.notebook_views import counted
 from ..semantics.kernel.errors import UsageError
 from .checking import no_backend
 

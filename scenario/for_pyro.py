@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..interpreter.extras import needed
 
 if TYPE_CHECKING:
-    from ..formats.scenes import Scene
+    from ..data.scene import Scene
     from ..inference.with_pyro import NumberModel, SceneKernel
     from ..semantics.kernel.config import Config
 

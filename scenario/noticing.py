@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..formats.site_land import FEATURES, SITE
 from ..interpreter.dialects import DIALECTS
 from ..interpreter.modules import Library
 from ..interpreter.slips import slips
 from ..interpreter.warnings import IMPLAUSIBLE, ProgramWarning, misspelt_params, unread_params, warnings_of
+from ..pictures.map_layers import FEATURES, SITE
 from ..semantics.python.builtins import BUILTINS, OF_RELEASES
 from ..semantics.syntax import Program, Span
 from ..semantics.syntax.statements import Param

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..interpreter.parser import parse
 from ..interpreter.running import endless

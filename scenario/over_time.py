@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from ..formats.recorded import Recording
-from ..formats.recordings import Simulated
+from ..data.recording_reader import Recording
+from ..data.simulation import Simulated
 from ..inference.dynamics.code import Library
 from ..inference.enumeration import DEFAULT_RUNS
 from ..inference.histories import Histories, enumerate_simulations

@@ -13,7 +13,7 @@ from ..semantics.kernel.errors import UsageError
 from ..semantics.syntax import Program
 
 if TYPE_CHECKING:
-    from ..formats.scenes import Scene
+    from ..data.scene import Scene
     from .scenario import Scenario
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..formats.scenes import Scene, scene_of
+from ..data.scene import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
 from ..inference.batch.devices import check_device
 from ..inference.batch.evaluate.features import features_in

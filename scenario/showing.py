@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..formats.notebooks import line_of_program, page_of_program
-from ..formats.pictures import draw_scenes, size_of
 from ..interpreter.dialects import DIALECTS
+from ..pictures.notebook_views import line_of_program, page_of_program
+from ..pictures.scene_figures import draw_scenes, size_of
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import select
 from .checking import check_whole

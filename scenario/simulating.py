@@ -8,8 +8,8 @@ from dataclasses import is_dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
-from ..formats.recorded import Recording, recording_of
-from ..formats.recordings import Simulated
+from ..data.recording_reader import Recording, recording_of
+from ..data.simulation import Simulated
 from ..inference.batch.jobs.blocks import processes
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.simulation import SampledRun, accepted

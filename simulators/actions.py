@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..formats.recordings import Body
+from ..data.simulation import Body
 from ..semantics.kernel.kinds import kind_name
 from ..semantics.kernel.values import Described
 from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..formats.recordings import Body
+from ..data.simulation import Body
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .arguments import is_number

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from ..formats.recordings import Body, Pose
+from ..data.simulation import Body, Pose
 from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector
 from . import actions as a

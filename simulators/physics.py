@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..formats.recordings import Body, Pose
+from ..data.simulation import Body, Pose
 from ..interpreter.extras import needed
 from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector

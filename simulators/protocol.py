@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
-from ..formats.recordings import Body, Pose
+from ..data.simulation import Body, Pose
 from ..roads.network import Network
 from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.kernel.errors import ScenicError, SimulatorError, UsageError

@@ -11,9 +11,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from ..formats.recorded import RecordedAction, RecordedStep, Recording
-from ..formats.recordings import Body, Moment, Pose, Simulated
-from ..formats.scenes import Scene, json_value, scene_of
+from ..data.recording_reader import RecordedAction, RecordedStep, Recording
+from ..data.scene import Scene, json_value, scene_of
+from ..data.simulation import Body, Moment, Pose, Simulated
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
 from ..interpreter.streams import simulator_seed

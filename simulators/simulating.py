@@ -11,8 +11,8 @@ from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
-from ..formats.recordings import Body, Moment, Pose, Simulated
-from ..formats.scenes import Scene, portable, scene_of
+from ..data.scene import Scene, portable, scene_of
+from ..data.simulation import Body, Moment, Pose, Simulated
 from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness, drive
 from ..interpreter.streams import simulator_seed
 from ..roads.network import Network

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..formats.recordings import Body, Pose
+from ..data.simulation import Body, Pose
 from .protocol import Surroundings
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ..formats.recordings import Body, Pose
+from ..data.simulation import Body, Pose
 from ..interpreter.extras import needed
 from ..roads.map_generator import made
 from ..semantics.kernel.errors import UsageError

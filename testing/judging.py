@@ -11,7 +11,7 @@ from pathlib import Path
 
 from scipy.special import betaincinv
 
-from ..formats.scenes import Scene
+from ..data.scene import Scene
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 if TYPE_CHECKING:
-    from ..formats.scenes import Scene
+    from ..data.scene import Scene
     from ..scenario import Scenario
     from ..semantics.kernel.errors import ScenicError
     from .kept import KeptScenes, SceneNumber

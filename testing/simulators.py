@@ -12,8 +12,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from ..formats.recordings import Body, Pose
-from ..formats.scenes import json_value
+from ..data.scene import json_value
+from ..data.simulation import Body, Pose
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import drive
 from ..scenario import loads

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.table_files import open_table
+from scenic_ref.data.table_files import open_table
 from scenic_ref.inference.batch import compile as compiler
 from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed

@@ -8,7 +8,7 @@ import json
 import zlib
 from typing import NamedTuple
 
-from ...formats.scenes import in_json
+from ...data.scene import in_json
 from ...semantics.kernel.errors import UsageError
 
 MARK = "scenic1="

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from fractions import Fraction
 
-from ...formats.scenes import in_json, json_value
+from ...data.scene import in_json, json_value
 from ...inference.batch.jobs.blocks import jobs
 from ...inference.enumeration import Enumeration
 from ...inference.rejection import DEFAULT_ATTEMPTS

@@ -7,9 +7,9 @@ import json
 from collections import Counter
 from pathlib import Path
 
-from ...formats.pictures import check_format, picture
-from ...formats.recordings import to_line
-from ...formats.replay_pages import land_below, map_below, run_shown
+from ...data.simulation import to_line
+from ...pictures.replay_pages import land_below, map_below, run_shown
+from ...pictures.scene_figures import check_format, picture
 from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import UsageError
 from ...simulators import SIMULATORS, by_name

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from ...formats.scenes import Scene
+from ...data.scene import Scene
 from ...inference.batch import Block
 from ...inference.batch.jobs.blocks import jobs
 from ...inference.enumeration import content_of_scene

@@ -21,7 +21,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from ...formats.scenes import in_json
+from ...data.scene import in_json
 from ...semantics.kernel.errors import UsageError
 from ..options import Source
 from .asked import MOST_BYTES, PlayRequest, request_of

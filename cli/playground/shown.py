@@ -5,14 +5,22 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from ...formats.maps import Window
-from ...formats.pictures import CROWD, FARTHEST, LETTER, LINE, bounds_of, is_all, shortened, view_of, window_of
-from ...formats.replay_pages import land_around, map_in
-from ...formats.scenes import OWN_FIELDS, Scene, SceneObject
-from ...formats.site_land import laid
-from ...formats.site_names import marks
+from ...data.scene import OWN_FIELDS, Scene, SceneObject
 from ...inference.enumeration import content_of_scene
 from ...inference.rejection import acceptance
+from ...pictures.map_layers import Window, laid, marks
+from ...pictures.replay_pages import land_around, map_in
+from ...pictures.scene_figures import (
+    CROWD,
+    FARTHEST,
+    LETTER,
+    LINE,
+    bounds_of,
+    is_all,
+    shortened,
+    view_of,
+    window_of,
+)
 from ...roads.network import MapWorkspace
 from ...scenario.diagnosing import Diagnostic, record
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ... import __version__
-from ...formats.highlighting import rules_for_browsers
-from ...formats.scenes import in_json
+from ...data.scene import in_json
+from ...editors.pygments_lexer import rules_for_browsers
 from ...interpreter.dialects import DIALECTS
 from ...interpreter.extras import is_installed, needed
 from ...semantics.readings import PROFILES, READINGS, select

@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 
-from ...formats.scenes import in_json
+from ...data.scene import in_json
 from ...inference.batch.jobs.blocks import end_with_parent
 from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError

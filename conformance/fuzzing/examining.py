@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...formats.comparisons import Boxes, boxes_of
 from ...interpreter.converting import convert
 from ...interpreter.modules import library_of
 from ...interpreter.parser import parse
+from ...pictures.side_by_side import Boxes, boxes_of
 from ...scenario.loading import loads
 from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
 from ...semantics.kernel.scopes import descendants

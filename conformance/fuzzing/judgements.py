@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from ...formats.comparisons import Boxes
 from ...interpreter.modules import read_text
+from ...pictures.side_by_side import Boxes
 from ...semantics.kernel.errors import UsageError
 from ..fields import VectorFields
 from ..known import CLASSES

@@ -18,7 +18,7 @@ from itertools import accumulate
 from multiprocessing import get_context
 from typing import Literal
 
-from ...formats.scenes import Scene, scene_of
+from ...data.scene import Scene, scene_of
 from ...inference.enumeration import Enumeration, content_of_scene
 from ...inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...interpreter.choosers import from_stream

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ...formats.scenes import Scene, scene_of
+from ...data.scene import Scene, scene_of
 from ...interpreter.choosers import from_stream, from_trace
 from ...interpreter.running import Accepted, Chooser, run
 from ...scenario import Scenario

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...formats.scenes import Scene, scene_of
+from ...data.scene import Scene, scene_of
 from ...interpreter.extras import why_missing
 from ...interpreter.running import Accepted, Rejected, run
 from ...semantics.kernel.errors import UsageError

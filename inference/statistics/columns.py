@@ -15,7 +15,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...formats.scenes import OWN_FIELDS, Scene, is_number
+from ...data.scene import OWN_FIELDS, Scene, is_number
 from .betting import Array
 
 ABSENT = "(absent)"

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ...formats.scenes import Scene
+from ...data.scene import Scene
 from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import combined

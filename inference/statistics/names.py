@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
-from ...formats.scenes import OWN_FIELDS
+from ...data.scene import OWN_FIELDS
 from ...semantics.kernel.errors import UsageError
 from ...semantics.kernel.suggestions import nearest
 from .betting import Array

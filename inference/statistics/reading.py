@@ -19,7 +19,7 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
-from ...formats.scenes import SCHEMA, is_count, problem_of
+from ...data.scene import SCHEMA, is_count, problem_of
 from ...semantics.kernel.errors import UsageError
 from .names import SHORT, long_name
 

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ...formats.scenes import Scene
+from ...data.scene import Scene
 from ...semantics.space.geometry import boxes_intersect, corners, distance_to_box
 from ...semantics.space.vectors import Vector
 from .betting import Array

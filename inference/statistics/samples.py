@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...formats.scenes import Scene
+from ...data.scene import Scene
 from .betting import Array
 from .columns import FeatureTable, features_table
 from .facts import Facts

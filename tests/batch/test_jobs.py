@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.formats import tables
-from scenic_ref.formats.columns import JSON, TEXT, TypedColumn, in_first_order, valid_in
-from scenic_ref.formats.scenes import Scene
-from scenic_ref.formats.table_files import SUFFIXES as ALL
-from scenic_ref.formats.table_files import open_table
-from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some, together
+from scenic_ref.data import scene_tables
+from scenic_ref.data.scene import Scene
+from scenic_ref.data.scene_tables import Columns, Groups, columns_of, rows_in, some, together
+from scenic_ref.data.table_files import SUFFIXES as ALL
+from scenic_ref.data.table_files import open_table
+from scenic_ref.data.typed_columns import JSON, TEXT, TypedColumn, in_first_order, valid_in
 from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order, uninterrupted
 from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
@@ -254,7 +254,7 @@ def rows() -> Columns:
 
 
 def test_groups_of_rows_end_with_scenes_and_do_not_depend_on_the_pieces(rows, monkeypatch):
-    monkeypatch.setattr(tables, "ROWS_AT_ONCE", 13)
+    monkeypatch.setattr(scene_tables, "ROWS_AT_ONCE", 13)
     found = []
     for scenes in (1, 3, 7, 60):
         groups = Groups()
@@ -267,7 +267,7 @@ def test_groups_of_rows_end_with_scenes_and_do_not_depend_on_the_pieces(rows, mo
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_table_has_the_same_bytes_whatever_the_pieces(rows, suffix, tmp_path, monkeypatch):
-    monkeypatch.setattr(tables, "ROWS_AT_ONCE", 13)
+    monkeypatch.setattr(scene_tables, "ROWS_AT_ONCE", 13)
     written = []
     for scenes in (1, 7, 60):
         table = open_table(tmp_path / f"{scenes}{suffix}")

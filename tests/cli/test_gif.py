@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import scenic_ref
 from PIL import Image
-from scenic_ref.formats.movies import MOST_FRAMES, frames_of, movie
-from scenic_ref.formats.pictures import CLASSES, EGO
+from scenic_ref.pictures.movies import MOST_FRAMES, frames_of, movie
+from scenic_ref.pictures.scene_figures import CLASSES, EGO
 from scenic_ref.semantics.kernel.errors import UsageError
 
 MOVING = """

@@ -7,8 +7,8 @@ import math
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.recorded import recording_from
-from scenic_ref.formats.recordings import to_json
+from scenic_ref.data.recording_reader import recording_from
+from scenic_ref.data.simulation import to_json
 from scenic_ref.semantics.kernel.errors import SimulatorError, UsageError
 from scenic_ref.simulators.still import Still
 

@@ -6,9 +6,9 @@ import json
 
 import pytest
 import shapely
-from scenic_ref.formats import maps
-from scenic_ref.formats.pictures import CLASSES, EGO, LAND
-from scenic_ref.formats.site_land import DIM, FAINT
+from scenic_ref.pictures import map_layers
+from scenic_ref.pictures.map_layers import DIM, FAINT
+from scenic_ref.pictures.scene_figures import CLASSES, EGO, LAND
 
 ROAD = "model scenic.domains.driving.model\nego = Car on road\nTruck on road\nCar on road\n"
 
@@ -32,11 +32,11 @@ def test_a_program_on_roads_has_its_map(ask, tmp_path, workers):
     data = data_of(ask, tmp_path, ROAD, "-n", 2, "--workers", workers)
     ground = data["map"]
     assert [run["land"] for run in data["runs"]] == [None, None]
-    road = cover(ground["areas"], maps.ROAD).union(cover(ground["areas"], maps.JUNCTION))
+    road = cover(ground["areas"], map_layers.ROAD).union(cover(ground["areas"], map_layers.JUNCTION))
     for run in data["runs"]:
         for thing in run["objects"]:
             assert road.buffer(0.2).covers(shapely.Point(thing["position"]))
-    assert {maps.WALK, maps.SHOULDER} <= {area["colour"] for area in ground["areas"]}
+    assert {map_layers.WALK, map_layers.SHOULDER} <= {area["colour"] for area in ground["areas"]}
     assert ground["ways"]
     for x, y, heading in ground["arrows"]:
         assert road.buffer(0.2).covers(shapely.Point(x, y))

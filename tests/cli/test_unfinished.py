@@ -9,16 +9,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.formats import whole_files
-from scenic_ref.formats.table_files import KINDS_OF_FILE, open_table
-from scenic_ref.formats.whole_files import is_running, nameless_file, remove_unfinished, whole_file, write_whole
+from scenic_ref.data import atomic_files
+from scenic_ref.data.atomic_files import is_running, nameless_file, remove_unfinished, whole_file, write_whole
+from scenic_ref.data.table_files import KINDS_OF_FILE, open_table
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no such signals")
 WAYS = ["nameless", "named"]
 WRITING = """
 import signal, sys, time
 from pathlib import Path
-from scenic_ref.formats import whole_files
+from scenic_ref.data import whole_files
 if hasattr(signal, "SIGHUP"):
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whoever started the tests may have it ignored
 if sys.argv[1] == "named":
@@ -32,7 +32,7 @@ with whole_files.whole_file(Path("o.npz")) as file:
 WRITING_A_TABLE = """
 import sys, time
 from scenic_ref.cli import main
-from scenic_ref.formats.table_files import KINDS_OF_FILE
+from scenic_ref.data.table_files import KINDS_OF_FILE
 kind = KINDS_OF_FILE["." + sys.argv[-1].rpartition(".")[2]]
 complete = kind.complete
 def slowly(*arguments):
@@ -49,7 +49,7 @@ main()
 def way(request, monkeypatch, tmp_path):
     """With files without names, where there are such, and without."""
     if request.param == "named":
-        monkeypatch.setattr(whole_files, "NAMELESS", 0)
+        monkeypatch.setattr(atomic_files, "NAMELESS", 0)
     elif nameless_file(tmp_path) is None:
         pytest.skip("there are no files without names here")
     return request.param
@@ -126,7 +126,7 @@ def test_where_a_file_without_a_name_gets_none_it_is_copied(monkeypatch, tmp_pat
     def link(*_: object) -> None:
         raise OSError
 
-    monkeypatch.setattr(whole_files, "link", link)
+    monkeypatch.setattr(atomic_files, "link", link)
     write_whole(tmp_path / "o", b"data")
     assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("o", b"data")]
 
@@ -139,7 +139,7 @@ def test_what_a_process_of_the_same_number_left_is_replaced(way, tmp_path):
 
 
 def test_handlers_of_signals_are_as_before(way, tmp_path):
-    numbers = [getattr(signal, name) for name in whole_files.ENDING_SIGNALS if hasattr(signal, name)]
+    numbers = [getattr(signal, name) for name in atomic_files.ENDING_SIGNALS if hasattr(signal, name)]
     before = [signal.getsignal(number) for number in numbers]
     write_whole(tmp_path / "o", b"data")
     assert [signal.getsignal(number) for number in numbers] == before

@@ -17,7 +17,7 @@ from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord,
 from scenic_ref.conformance.ourselves import load, told
 from scenic_ref.conformance.recorded_world import RecordedWorld, World
 from scenic_ref.conformance.serving import serve
-from scenic_ref.formats.recordings import to_json
+from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted

@@ -11,7 +11,7 @@ from fractions import Fraction
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
-from scenic_ref.formats.recordings import to_json
+from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.histories import enumerate_simulations
 from scenic_ref.inference.simulation import sample_simulation
 from scenic_ref.inference.statistics.laws import DEFAULT_ALPHA, Categorical, evidence

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
-from scenic_ref.formats.saving import resume, save
+from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import drive
 from scenic_ref.scenario import Scenario

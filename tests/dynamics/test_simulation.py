@@ -10,7 +10,7 @@ import sys
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.recordings import to_json, to_line
+from scenic_ref.data.simulation import to_json, to_line
 from scenic_ref.inference.simulation import sample_simulation
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunError, SimulatorError, UsageError
 from scenic_ref.semantics.space.vectors import Vector

@@ -367,7 +367,7 @@ def test_no_process_is_left(tmp_path, how):
 
 @pytest.mark.parametrize("moment", ["started", "listening", "checking"])
 def test_the_process_has_ended_when_the_checks_have(moment):
-    from scenic_ref.editors.checks import CheckingQueue, Revision
+    from scenic_ref.editors.live_checks import CheckingQueue, Revision
 
     async def begun_and_ended():
         queue = CheckingQueue(1000, lambda text, found: None)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from scenic_ref.editors import phrases, words
-from scenic_ref.editors.completing import suggestions
-from scenic_ref.editors.hovering import hover
-from scenic_ref.editors.library import ModuleShelf, SourceModule
-from scenic_ref.editors.lines import TextLines
-from scenic_ref.editors.locating import targets
+from scenic_ref.editors import completion, word_meanings
+from scenic_ref.editors.completion import suggestions
+from scenic_ref.editors.definitions import targets
+from scenic_ref.editors.hover import hover
+from scenic_ref.editors.module_library import ModuleShelf, SourceModule
+from scenic_ref.editors.name_scopes import NameFinder
 from scenic_ref.editors.outline import Definition, outline
-from scenic_ref.editors.scopes import NameFinder
+from scenic_ref.editors.positions import TextLines
 from scenic_ref.editors.tokens import lines, pieces
 from scenic_ref.interpreter.keywords import keywords
 from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, SPELLINGS
@@ -107,24 +107,24 @@ def test_reading_takes_time_in_proportion_to_the_text(piece, effort):
 def test_every_word_of_the_language_is_explained_or_belongs_to_another():
     silent = {"IS_NOT", "NOT_IN", "IS_IN", "_NONLOCAL", "_GLOBAL", "_LAMBDA", "FALSE", "TRUE", "NONE", "_ELSE", "_FROM"}
     silent |= {"_AND", "_NOT", "_AS", "IS", "_OR", "_BY", "_TO", "_OF"}
-    assert {word.name for word in keywords()} == set(words.WORDS) | silent
+    assert {word.name for word in keywords()} == set(word_meanings.WORDS) | silent
 
 
 def test_every_rule_that_is_named_is_in_the_catalogue_and_every_specifier_is_shown():
-    named = [beginning for uses in words.WORDS.values() for use in uses for beginning in use.rules]
-    assert all(words.rules_of((beginning,)) for beginning in named)
-    shown_ = {rule.id for beginning in named for rule in words.rules_of((beginning,))}
+    named = [beginning for uses in word_meanings.WORDS.values() for use in uses for beginning in use.rules]
+    assert all(word_meanings.rules_of((beginning,)) for beginning in named)
+    shown_ = {rule.id for beginning in named for rule in word_meanings.rules_of((beginning,))}
     assert {rule.id for rule in CATALOGUE if rule.id.startswith(("P-", "O-"))} - shown_ == {"P-Default", "O-VectorOf"}
 
 
 def test_every_built_in_property_has_a_meaning():
-    assert set(words.MEANINGS) == {*OBJECT_CLASS.defaults, "visibleDistance"}
+    assert set(word_meanings.MEANINGS) == {*OBJECT_CLASS.defaults, "visibleDistance"}
     assert "visibleDistance" in SPELLINGS
-    assert all(words.about_built_in_property(name) for name in words.MEANINGS)
+    assert all(word_meanings.about_built_in_property(name) for name in word_meanings.MEANINGS)
 
 
 def test_a_property_says_its_kind_its_default_and_who_specifies_it():
-    found = words.about_built_in_property("heading")
+    found = word_meanings.about_built_in_property("heading")
     assert "`heading` of `OrientedPoint`" in found
     assert "a number, by default `0.0`" in found
     assert "specified by `with heading E`, `facing H`, `facing F`" in found
@@ -155,12 +155,12 @@ def test_what_is_shown_of_a_rule_is_its_text_and_no_markup():
 
 
 def test_every_phrase_that_is_suggested_is_one_of_the_language():
-    every = [*phrases.SPECIFIERS, *phrases.PREFIXES, *phrases.INFIXES]
-    every += [*phrases.RELEASED_SPECIFIERS, *phrases.RELEASED_PREFIXES, *phrases.RELEASED_INFIXES]
-    every += [p for table in (phrases.STATEMENTS, phrases.RELEASED_STATEMENTS) for found in table.values() for p in found]
-    assert not [phrase for phrase in every if phrases.word_of(phrase) is None]
-    found = {word.name for phrase in every if (word := phrases.word_of(phrase)) is not None}
-    found |= {word.name for phrase in every if (word := phrases.word_of(phrase, ("specifier",))) is not None}
+    every = [*completion.SPECIFIERS, *completion.PREFIXES, *completion.INFIXES]
+    every += [*completion.RELEASED_SPECIFIERS, *completion.RELEASED_PREFIXES, *completion.RELEASED_INFIXES]
+    every += [p for table in (completion.STATEMENTS, completion.RELEASED_STATEMENTS) for found in table.values() for p in found]
+    assert not [phrase for phrase in every if completion.word_of(phrase) is None]
+    found = {word.name for phrase in every if (word := completion.word_of(phrase)) is not None}
+    found |= {word.name for phrase in every if (word := completion.word_of(phrase, ("specifier",))) is not None}
     others = {"CONSTRUCTOR", "ALWAYS", "EVENTUALLY", "_REQUIRE_SOFT", "IS_IN"}  # another spelling, or behind another word
     assert {word.name for word in keywords()} - found == others
 

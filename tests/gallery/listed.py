@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.conformance.listings import read_manifest
-from scenic_ref.formats.recordings import Moment, Simulated
+from scenic_ref.data.simulation import Moment, Simulated
 from scenic_ref.roads import Network, read_map
 from scenic_ref.semantics.space.geometry import corners
 from scenic_ref.semantics.space.vectors import Vector

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.data.simulation import Simulated
 from scenic_ref.errors import AttemptsExhausted
-from scenic_ref.formats.recordings import Simulated
 from scenic_ref.roads import Network
 from scenic_ref.roads.map_generator import made
 from scenic_ref.semantics.space.vectors import Vector

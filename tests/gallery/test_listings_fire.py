@@ -6,7 +6,7 @@ import math
 
 import pytest
 import shapely
-from scenic_ref.formats.recordings import Moment, Simulated
+from scenic_ref.data.simulation import Moment, Simulated
 from scenic_ref.simulators.actions import SetBrakeAction, SetThrottleAction
 from scenic_ref.simulators.worlds.driving import default_network
 from shapely.geometry import Point

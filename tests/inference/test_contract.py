@@ -16,7 +16,7 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch import Batch
 from scenic_ref.inference.enumeration import Enumeration, content_of_scene
 from scenic_ref.inference.inferred import LEVEL, Probability

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
 from scenic_ref.semantics.kernel.errors import UsageError

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.inference import diagnostics, mcmc, smc
 from scenic_ref.inference.importance import mean_weight
 from scenic_ref.inference.inferred import Inferred, Probability

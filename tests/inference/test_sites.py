@@ -10,7 +10,7 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
-from scenic_ref.formats.scenes import scene_of
+from scenic_ref.data.scene import scene_of
 from scenic_ref.inference.batch.evaluate.margins import points_away, polygon_margin
 from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.inference.sites.moves import EXCHANGE, REDRAW, STEP, Moves, MovesMade

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.recordings import to_line
-from scenic_ref.formats.scenes import scene_of
+from scenic_ref.data.scene import scene_of
+from scenic_ref.data.simulation import to_line
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter import running
 from scenic_ref.interpreter.choosers import from_stream

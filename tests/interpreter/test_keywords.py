@@ -14,7 +14,7 @@ from pygments import highlight
 from pygments.formatters import NullFormatter
 from pygments.token import Keyword, Name, Operator, Text, Token
 from scenic_ref.conformance import load_vectors
-from scenic_ref.formats.highlighting import ScenicLexer
+from scenic_ref.editors.pygments_lexer import ScenicLexer
 from scenic_ref.interpreter.keywords import keywords, terminals
 from scenic_ref.interpreter.parser import tables
 

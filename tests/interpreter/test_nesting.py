@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 import pytest
-from scenic_ref.formats.saving import resume, save
+from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.converting import convert
 from scenic_ref.interpreter.nesting import LIMIT

@@ -12,7 +12,7 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UsageError
-from scenic_ref.formats.site_pictures import site_picture
+from scenic_ref.pictures.map_figures import site_picture
 from scenic_ref.roads.geodata import in_metres, of_geojson, read_site, without_files
 from scenic_ref.roads.user_maps import SiteMap
 from scenic_ref.roads.xml_elements import MapError

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.highlighting import ScenicLexer
+from scenic_ref.editors.pygments_lexer import ScenicLexer
 
 from .conftest import Page
 

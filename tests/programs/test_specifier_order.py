@@ -16,7 +16,7 @@ from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.conformance.programs.choices import SeededChoices
 from scenic_ref.conformance.programs.permuting import has_order, permuted
 from scenic_ref.conformance.programs.strategies import finite_programs
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program

@@ -14,8 +14,8 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
+from scenic_ref.data.scene import Scene
 from scenic_ref.errors import AttemptsExhausted, ScenicError
-from scenic_ref.formats.scenes import Scene
 from scenic_ref.semantics.kernel.config import PASS, Config, Stack, State
 from scenic_ref.semantics.kernel.outcome import Observe, Outcome, Requirement
 from scenic_ref.semantics.kernel.values import Instance

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch.evaluate.sampling import Batch
 from scenic_ref.inference.pruning import Pruning, analysis, applicability, facts, prune, scene_facts
 from scenic_ref.inference.pruning.analysis import prune_recorded

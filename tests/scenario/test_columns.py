@@ -13,9 +13,10 @@ import pytest
 import scenic_ref
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.formats import columns, table_files, tables
-from scenic_ref.formats.arrow import ArrowStream
-from scenic_ref.formats.columns import (
+from scenic_ref.data import scene_tables, table_files, typed_columns
+from scenic_ref.data.scene_tables import columns_of
+from scenic_ref.data.table_files import ArrowStream, open_table
+from scenic_ref.data.typed_columns import (
     FLOAT,
     INT53,
     INT64,
@@ -32,8 +33,6 @@ from scenic_ref.formats.columns import (
     nothing,
     vector,
 )
-from scenic_ref.formats.table_files import open_table
-from scenic_ref.formats.tables import columns_of
 from scenic_ref.inference.batch.jobs.tables import Tables
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
@@ -63,7 +62,7 @@ def told(column: TypedColumn) -> list[str | None]:
     """The values of a column as JSON texts, None for those that are missing."""
     return [
         None if not there else (column.texts[k] if column.kind == JSON else json_text(column.texts[k]))
-        for k, there in zip(column.values.tolist(), columns.valid_in(column).tolist(), strict=True)
+        for k, there in zip(column.values.tolist(), typed_columns.valid_in(column).tolist(), strict=True)
     ] if column.kind in (TEXT, JSON) else told(as_kind(column, JSON))
 
 
@@ -241,7 +240,7 @@ WIDE = {"a": [*range(20), 0.5, *[1.0] * 9], "b": [*map(str, range(20)), None, *[
 
 @pytest.fixture
 def small_groups(monkeypatch):
-    monkeypatch.setattr(tables, "ROWS_AT_ONCE", 4)
+    monkeypatch.setattr(scene_tables, "ROWS_AT_ONCE", 4)
 
 
 @data
@@ -250,7 +249,7 @@ def small_groups(monkeypatch):
 def test_types_are_those_of_all_scenes_though_they_come_in_groups(suffix, at_once, small_groups, tmp_path, monkeypatch):
     import polars
 
-    monkeypatch.setattr(tables, "SCENES_AT_ONCE", at_once)
+    monkeypatch.setattr(scene_tables, "SCENES_AT_ONCE", at_once)
     table = open_table(tmp_path / f"x{suffix}")
     for one in WIDENING:
         table.add(one)

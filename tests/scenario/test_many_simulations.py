@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.cli import answer
+from scenic_ref.data.simulation import to_line
 from scenic_ref.errors import AttemptsExhausted, UncaughtException, UsageError
-from scenic_ref.formats.recordings import to_line
 from scenic_ref.inference import simulation
 from scenic_ref.simulators import by_name
 

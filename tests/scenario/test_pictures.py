@@ -14,10 +14,19 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.formats.maps import Window
-from scenic_ref.formats.pictures import CLASSES, EGO, QUIET, bounds_of, common_area, figure_of, may_be_mistaken, picture, room_for, views_of
-from scenic_ref.formats.site_land import DIM, FAINT, MOST_POINTS, Laid, laid
-from scenic_ref.formats.site_names import MOST_MARKS, marks
+from scenic_ref.pictures.map_layers import DIM, FAINT, MOST_MARKS, MOST_POINTS, Laid, Window, laid, marks
+from scenic_ref.pictures.scene_figures import (
+    CLASSES,
+    EGO,
+    QUIET,
+    bounds_of,
+    common_area,
+    figure_of,
+    may_be_mistaken,
+    picture,
+    room_for,
+    views_of,
+)
 
 VISION = {
     "all three cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],

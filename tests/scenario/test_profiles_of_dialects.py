@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 import scenic_ref
-from scenic_ref.editors.worker import diagnostics_of
+from scenic_ref.editors.check_worker import diagnostics_of
 from scenic_ref.interpreter.dialects import DIALECTS
 from scenic_ref.semantics.readings import select
 

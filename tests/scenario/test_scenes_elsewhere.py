@@ -11,7 +11,7 @@ from typing import Literal
 import pytest
 import scenic_ref
 from scenic_ref import compat
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.semantics.kernel.values import Instance
 from scenic_ref.semantics.space.vectors import Vector
 

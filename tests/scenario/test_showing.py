@@ -14,7 +14,7 @@ import matplotlib as mpl
 import pytest
 import scenic_ref
 from scenic_ref.errors import UsageError
-from scenic_ref.formats.pictures import picture
+from scenic_ref.pictures.scene_figures import picture
 
 mpl.use("agg")
 HOSTILE = '</pre><script>alert("&")</script>'

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.scenes import Scene
+from scenic_ref.data.scene import Scene
 from scenic_ref.inference.statistics import Categorical, contradicts
 from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.kernel.outcome import Requirement

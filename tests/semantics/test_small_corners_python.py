@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.formats.scenes import json_value
+from scenic_ref.data.scene import json_value
 from scenic_ref.semantics.kernel.errors import ProgramError, ScenicError
 from scenic_ref.semantics.python.builtins import BUILTINS
 

@@ -7,8 +7,8 @@ from itertools import combinations, pairwise
 
 import pytest
 import scenic_ref
+from scenic_ref.data.simulation import Moment, Simulated
 from scenic_ref.errors import UncaughtException
-from scenic_ref.formats.recordings import Moment, Simulated
 from scenic_ref.roads import Network, made_map
 from scenic_ref.roads.network import CLEARING, GREEN, YELLOW, lights_of
 from scenic_ref.simulators.worlds.driving import default_network

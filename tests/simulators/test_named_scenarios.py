@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.data.simulation import Moment, Simulated
 from scenic_ref.errors import AttemptsExhausted
-from scenic_ref.formats.recordings import Moment, Simulated
 from scenic_ref.roads.map_generator import made
 from scenic_ref.roads.vehicle_paths import Trajectory
 from scenic_ref.simulators.worlds.driving import default_network

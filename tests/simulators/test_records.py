@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from scenic_ref.formats.recordings import to_line
+from scenic_ref.data.simulation import to_line
 from scenic_ref.scenario import loads
 
 PROGRAM = """

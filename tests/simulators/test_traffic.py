@@ -145,7 +145,7 @@ def test_simulations_follow_from_program_seed_and_number_and_replay():
     scenario = scenic_ref.loads(text)
     first = scenario.simulate("sumo", 60, 3, 1)
     assert scenario.simulate("sumo", 60, 3, 1).simulation.moments == first.simulation.moments
-    record = json.loads(scenic_ref.formats.recordings.to_line(first.simulation, first.attempts))
+    record = json.loads(scenic_ref.data.simulation.to_line(first.simulation, first.attempts))
     again = scenario.replay(record, "sumo")
     assert [moment.objects for moment in again.moments] == [moment.objects for moment in first.simulation.moments]
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ....formats.scenes import json_value
+from ....data.scene import json_value
 from ....semantics.kernel.values import Random
 from ....semantics.space.vectors import Vector
 from ...statistics.columns import OTHERWISE, FeatureTable, arrays_of, below, columns_of, features_table, spread, stacked

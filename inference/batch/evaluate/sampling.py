@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ....formats.scenes import Scene, scene_of
+from ....data.scene import Scene, scene_of
 from ....interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ....interpreter.extras import why_missing
 from ....interpreter.running import Accepted, Beginnings, run

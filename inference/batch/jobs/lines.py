@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ....formats.scenes import OWN_FIELDS, Scene, in_json, json_value, object_entry, scene_entry
+from ....data.scene import OWN_FIELDS, Scene, in_json, json_value, object_entry, scene_entry
 from ....semantics.kernel.values import Random
 from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.vectors import Vector

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....formats.numbers import number_texts
+from ....data.json_numbers import number_texts
 
 
 class Picked(NamedTuple):

@@ -9,10 +9,22 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ....formats.columns import EXACT, TypedColumn, again, column_of, constant, interleaved, nothing, numbers, repeated, taken, vector
-from ....formats.scenes import OWN_FIELDS, json_value
-from ....formats.tables import Columns as TableColumns
-from ....formats.tables import column_name, columns_of, ordered, some, together
+from ....data.scene import OWN_FIELDS, json_value
+from ....data.scene_tables import Columns as TableColumns
+from ....data.scene_tables import column_name, columns_of, ordered, some, together
+from ....data.typed_columns import (
+    EXACT,
+    TypedColumn,
+    again,
+    column_of,
+    constant,
+    interleaved,
+    nothing,
+    numbers,
+    repeated,
+    taken,
+    vector,
+)
 from ....semantics.kernel.values import Random
 from ....semantics.space.vectors import Vector
 from ..evaluate.rows import Columns

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....formats.scenes import OWN_FIELDS, Scene, SceneObject
-from ....formats.site_land import SiteMap, site_of
+from ....data.scene import OWN_FIELDS, Scene, SceneObject
+from ....pictures.map_layers import SiteMap, site_of
 from ....semantics.kernel.config import State
 from ....semantics.kernel.values import unwrap
 from ....semantics.programs import ego_of

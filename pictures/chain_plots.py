@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from ..data.scene import in_json
 from ..interpreter.extras import needed
-from .pictures import CLASSES, EDGE, INK, draw_scenes, new_figure, size_of, written
-from .scenes import in_json
+from .scene_figures import CLASSES, EDGE, INK, draw_scenes, new_figure, size_of, written
 
 if TYPE_CHECKING:
     from matplotlib.figure import SubFigure
 
-    from .scenes import Scene
+    from ..data.scene import Scene
 
 MOST_SHOWN = 4
 """Quantities in a picture: those about which the chains agree least."""

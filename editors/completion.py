@@ -4,18 +4,77 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import NamedTuple
 
 from ..interpreter.dialects import DIALECTS, MARK
+from ..interpreter.keywords import LanguageWord, keywords
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.scenic_classes import ScenicClass
 from ..semantics.kernel.values import Constructor
 from ..semantics.python.builtins import BUILTINS
-from . import phrases as ph
-from .scopes import Meaning, NameFinder, around, line_of
-from .subjects import PARAMETERS, class_built, module_named, param, same_brackets
+from .name_scopes import Meaning, NameFinder, around, line_of
+from .place_meanings import PARAMETERS, class_built, module_named, param, same_brackets
 from .tokens import Line, TextPiece, lines, phrase_at, piece_at
-from .words import about_built_in_property, about_word, signature
+from .word_meanings import about_built_in_property, about_word, signature
+
+SPECIFIERS = (
+    "at", "in", "on", "offset by", "offset along", "left of", "right of", "ahead of", "behind", "beyond", "visible", "visible from", "following",
+    "facing", "facing toward", "facing away from", "apparently facing", "with",
+)  # fmt: skip
+RELEASED_SPECIFIERS = ("contained in", "not visible", "not visible from")
+PREFIXES = (
+    "relative heading of", "apparent heading of", "distance to", "distance from", "angle to", "angle from", "follow", "visible", "front of",
+    "back of", "left of", "right of", "front left of", "front right of", "back left of", "back right of", "distance past", "not",
+    "lambda", "True", "False", "None",
+)  # fmt: skip
+RELEASED_PREFIXES = ("new", "relative position of", "not visible", "initial scenario")
+INFIXES = (
+    "at", "offset by", "offset along", "relative to", "can see", "visible from", "deg", "seconds", "by", "from", "to", "for", "in", "not in", "is",
+    "is not", "and", "or", "if", "else", "as", "until", "steps", "past", "of", "in initial scenario",
+)  # fmt: skip
+RELEASED_INFIXES = ("intersects", "not visible from", "every", "after")
+PYTHON = ("if", "for", "while", "try", "def", "assert", "raise", "del", "pass")
+CLAUSES = ("elif", "else", "except", "finally", "break", "continue")
+DECLARATIONS = (
+    "class", "import", "from", "model", "param", "require", "require always", "require eventually", "terminate when", "mutate", "behavior", "monitor",
+    "scenario",
+)  # fmt: skip
+RELEASED_DECLARATIONS = (
+    "require monitor", "terminate simulation when", "terminate after", "record", "record initial", "record final", "simulator", "mutate by",
+)  # fmt: skip
+DYNAMIC = ("take", "wait", "terminate", "do", "do choose", "do shuffle", "interrupt when", "abort", "return")
+RELEASED_DYNAMIC = ("wait for", "wait until", "terminate simulation")
+STATEMENTS: Mapping[str, tuple[str, ...]] = {
+    "module": (*DECLARATIONS, *PYTHON, *CLAUSES),
+    "class": ("def", "pass"),
+    "function": ("return", "global", "nonlocal", *PYTHON, *CLAUSES),
+    "behavior": ("precondition", "invariant", *DYNAMIC, *PYTHON, *CLAUSES),
+    "monitor": (*DYNAMIC, *PYTHON, *CLAUSES, "require"),
+    "scenario": ("precondition", "invariant", "setup", "compose", "override", *DECLARATIONS, *DYNAMIC, *PYTHON, *CLAUSES),
+}
+"""The first words of statements, by the kind of definition that they stand in."""
+RELEASED_STATEMENTS: Mapping[str, tuple[str, ...]] = {
+    "module": RELEASED_DECLARATIONS, "behavior": RELEASED_DYNAMIC, "monitor": RELEASED_DYNAMIC,
+    "scenario": (*RELEASED_DECLARATIONS, *RELEASED_DYNAMIC),
+}  # fmt: skip
+POSTFIXES = frozenset({"DEG", "SECONDS", "STEPS", "VISIBLE_LONE", "NOT_VISIBLE_LONE", "TRUE", "FALSE", "NONE", "INITIAL_SCENARIO", "PASS"})
+"""Words behind which an expression is complete."""
+BEHIND = (" x", " x:", ":", "", " x = 1", " from x")
+"""What may follow, since the patterns of some words look at it."""
+
+
+@cache
+def word_of(phrase: str, kinds: tuple[str, ...] = ("specifier", "operator", "statement", "keyword", "constant")) -> LanguageWord | None:
+    """The terminal of the grammar that a phrase is, of one of these kinds rather than of others."""
+    found = [
+        word for behind in BEHIND for word in keywords()
+        if (match := re.compile(word.pattern).match(phrase + behind)) is not None and match.end() == len(phrase)
+    ]  # fmt: skip
+    if not found and " " in phrase:
+        return word_of(phrase.rpartition(" ")[0], kinds)  # `distance to`: the terminal is the first word
+    return next((word for word in found if word.kind in kinds), found[0] if found else None)
+
 
 HOLE = "_"
 """The word that stands for what is not written yet."""
@@ -106,14 +165,14 @@ def begun_phrases(place: CompletedPlace) -> Iterator[Completion]:
 
 def every_phrase(released: bool) -> Iterator[str]:
     """The phrases of a dialect."""
-    yield from (*ph.SPECIFIERS, *ph.PREFIXES, *ph.INFIXES, *(p for each in ph.STATEMENTS.values() for p in each))
+    yield from (*SPECIFIERS, *PREFIXES, *INFIXES, *(p for each in STATEMENTS.values() for p in each))
     if released:
-        yield from (*ph.RELEASED_SPECIFIERS, *ph.RELEASED_PREFIXES, *ph.RELEASED_INFIXES, *(p for e in ph.RELEASED_STATEMENTS.values() for p in e))
+        yield from (*RELEASED_SPECIFIERS, *RELEASED_PREFIXES, *RELEASED_INFIXES, *(p for e in RELEASED_STATEMENTS.values() for p in e))
 
 
 def phrase_suggestion(phrase: str, start: int, *kinds: str) -> Completion:
     """A phrase of the language, with its rules."""
-    word = ph.word_of(phrase, kinds) if kinds else ph.word_of(phrase)
+    word = word_of(phrase, kinds) if kinds else word_of(phrase)
     return Completion(phrase, "keyword", start, kinds[0] if kinds else "" if word is None else word.kind, "" if word is None else about_word(word))
 
 
@@ -136,7 +195,7 @@ def offered(place: CompletedPlace) -> Iterator[Completion]:
     else:
         if building(place):
             yield from specifiers(place)
-        yield from (phrase_suggestion(p, place.start, "operator") for p in (*ph.INFIXES, *(ph.RELEASED_INFIXES if place.released else ())))
+        yield from (phrase_suggestion(p, place.start, "operator") for p in (*INFIXES, *(RELEASED_INFIXES if place.released else ())))
 
 
 def in_import(place: CompletedPlace, first: str) -> Iterator[Completion]:
@@ -213,12 +272,12 @@ def complete(place: CompletedPlace) -> bool:
     if last.kind != "name":
         return last.kind in ("number", "string") or last.text in (")", "]", "}")
     phrase = phrase_at(place.written, last)
-    return phrase is None or phrase.word.name in ph.POSTFIXES
+    return phrase is None or phrase.word.name in POSTFIXES
 
 
 def specifiers(place: CompletedPlace) -> Iterator[Completion]:
     """The specifiers."""
-    found = (*ph.SPECIFIERS, *(ph.RELEASED_SPECIFIERS if place.released else ()))
+    found = (*SPECIFIERS, *(RELEASED_SPECIFIERS if place.released else ()))
     yield from (phrase_suggestion(phrase, place.start, "specifier") for phrase in found)
 
 
@@ -227,7 +286,7 @@ def statement(place: CompletedPlace) -> Iterator[Completion]:
     home = list(around(place.finder.main.outline, place.start))[-1] if place.line.indent else place.finder.main.outline
     if home.kind == "class":
         yield from (one._replace(label=f"{one.label}: ") for one in properties(place, home.name))
-    found = (*ph.STATEMENTS[home.kind], *(ph.RELEASED_STATEMENTS.get(home.kind, ()) if place.released else ()))
+    found = (*STATEMENTS[home.kind], *(RELEASED_STATEMENTS.get(home.kind, ()) if place.released else ()))
     yield from (phrase_suggestion(phrase, place.start, "statement") for phrase in found)
     yield from () if home.kind == "class" else expression(place)
 
@@ -237,7 +296,7 @@ def expression(place: CompletedPlace) -> Iterator[Completion]:
     yield from (named(name, meaning, place) for name, meaning in place.names.items())
     yield from (built_in(name, place.start) for name in BUILTINS)
     yield from (Completion(name, "variable", place.start) for name in ("ego", "self", "workspace"))
-    yield from (phrase_suggestion(p, place.start, "operator") for p in (*ph.PREFIXES, *(ph.RELEASED_PREFIXES if place.released else ())))
+    yield from (phrase_suggestion(p, place.start, "operator") for p in (*PREFIXES, *(RELEASED_PREFIXES if place.released else ())))
 
 
 def named(name: str, meaning: Meaning, place: CompletedPlace) -> Completion:
@@ -251,3 +310,4 @@ def built_in(name: str, start: int) -> Completion:
     value = BUILTINS[name]
     kind = "class" if isinstance(value, (ScenicClass, type)) else "distribution" if isinstance(value, Constructor) else "function"
     return Completion(name, kind if callable(value) or name in BUILT_IN_CLASSES else "variable", start, signature(name))
+

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .scenes import SURROGATE, in_json
+from .scene import SURROGATE, in_json
 
 NOTHING, BOOL, INT53, INT64, FLOAT, TEXT, JSON = "nothing", "bool", "int53", "int64", "float64", "text", "json"
 """The types but for lists of numbers: n of them are `vector(n)`. An `int53` is a float64 without loss, and joins numbers that are none."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
-from .library import ModuleShelf, SourceModule
+from .module_library import ModuleShelf, SourceModule
 from .outline import EVERYTHING, Definition
 
 SCOPES = frozenset({"module", "function", "behavior", "monitor", "scenario", "class"})

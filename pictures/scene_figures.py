@@ -13,22 +13,20 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 import shapely
 
+from ..data.atomic_files import write_whole
 from ..roads.network import MapWorkspace
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
-from .maps import Window, draw_map, polygons_in
-from .site_land import draw_site, laid
-from .site_names import marks
-from .whole_files import write_whole
+from .map_layers import Window, draw_map, draw_site, laid, marks, polygons_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
     from shapely.geometry.base import BaseGeometry
 
-    from .scenes import Scene, SceneObject
+    from ..data.scene import Scene, SceneObject
 
 Outline = Sequence[tuple[float, float]]
 FORMATS = ("png", "pdf", "svg")

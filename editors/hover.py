@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
-from .lines import TextLines
-from .scopes import Inherited, Meaning, NameFinder, line_of
-from .subjects import Subject, subject_at
+from .name_scopes import Inherited, Meaning, NameFinder, line_of
+from .place_meanings import Subject, subject_at
+from .positions import TextLines
 from .tokens import pieces
-from .words import about_built_in, about_built_in_property, about_word, marked, specifiers_of
+from .word_meanings import about_built_in, about_built_in_property, about_word, marked, specifiers_of
 
 MOST_PROPERTIES = 60
 

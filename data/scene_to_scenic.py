@@ -15,11 +15,18 @@ from ..semantics.kernel.sets import Set
 from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.python.builtins import BUILTINS
 from ..semantics.python.texts import stable_repr
-from ..semantics.space.regions import CircularRegion, RectangularRegion, SectorRegion, Workspace, everywhere, nowhere
+from ..semantics.space.regions import (
+    CircularRegion,
+    RectangularRegion,
+    SectorRegion,
+    Workspace,
+    everywhere,
+    nowhere,
+)
 from ..semantics.space.vectors import Vector
 
 if TYPE_CHECKING:
-    from .scenes import Scene, SceneObject
+    from .scene import Scene, SceneObject
 
 class Unwritten(Exception):
     """A value that no expression gives."""

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..interpreter.walls import timed
-from .notebooks import counted, short_text
-from .scenes import OWN_FIELDS, Scene, in_json, json_value, portable
+from ..pictures.notebook_views import counted, short_text
+from .scene import OWN_FIELDS, Scene, in_json, json_value, portable
 
 SCHEMA = "scenic-ref/simulation/1"
 

@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..data.simulation import Simulated
+from ..pictures.map_layers import Window, draw_lights, draw_site
+from ..pictures.movies import Course, courses_of
+from ..pictures.scene_figures import INK, draw_land, draw_scale, new_figure, written
 from ..roads.network import MapWorkspace
 from ..semantics.space.geometry import corners, direction
-from .maps import Window, draw_lights
-from .movies import Course, courses_of
-from .pictures import INK, draw_land, draw_scale, new_figure, written
-from .recordings import Simulated
-from .site_land import draw_site
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

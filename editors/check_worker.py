@@ -1,4 +1,4 @@
-"""The process that checks programs for the language server: `python -m scenic_ref.editors.worker`, lines of JSON in and out.
+"""The process that checks programs for the language server: `python -m scenic_ref.editors.check_worker`, lines of JSON in and out.
 
 It has the walls of `scenic-ref check` around each program (`docs/security.md`), and ends when nobody writes to it any more.
 """

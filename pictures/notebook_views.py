@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.python.texts import stable_repr
-from .pictures import colours_of, draw, picture, views_of
+from .scene_figures import colours_of, draw, picture, views_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .scenes import Scene, SceneObject
+    from ..data.scene import Scene, SceneObject
 
 LONGEST = 60
 """Characters of a value that are shown."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
-from .pictures import CLASSES, EGO, FARTHEST, INK, SIDE, new_figure, written
+from .scene_figures import CLASSES, EGO, FARTHEST, INK, SIDE, new_figure, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

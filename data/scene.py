@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ..interpreter.walls import timed
+from ..pictures.map_layers import site_of
+from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plotted
+from ..pictures.scene_figures import picture
 from ..roads.user_maps import SiteMap
 from ..semantics.kernel.budget import items_of, plain_data
 from ..semantics.kernel.config import State
@@ -26,10 +29,7 @@ from ..semantics.space.geometry import normalise_heading
 from ..semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, everywhere
 from ..semantics.space.regions.region import Everywhere
 from ..semantics.space.vectors import Vector
-from .notebooks import line_of_object, line_of_scene, page_of_scene, plotted
-from .pictures import picture
-from .programs import program_of
-from .site_land import site_of
+from .scene_to_scenic import program_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

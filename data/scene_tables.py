@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from .columns import BOOL, FLOAT, INT64, TEXT, TypedColumn, chosen, column_of, joined, nothing
-from .scenes import in_utf8
+from .scene import in_utf8
+from .typed_columns import BOOL, FLOAT, INT64, TEXT, TypedColumn, chosen, column_of, joined, nothing
 
 ROWS_AT_ONCE = 1 << 16
 """Rows at which a group ends, with the first scene that reaches them."""

@@ -9,8 +9,8 @@ from typing import NamedTuple, NoReturn, TypeVar
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.vectors import Vector
-from .recordings import SCHEMA, Body
-from .scenes import OWN_FIELDS
+from .scene import OWN_FIELDS
+from .simulation import SCHEMA, Body
 
 Kind = TypeVar("Kind")
 DEEPEST = 100

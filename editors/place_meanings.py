@@ -6,8 +6,8 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from .name_scopes import Inherited, Meaning, NameFinder, around
 from .outline import EVERYTHING, Definition, outline
-from .scopes import Inherited, Meaning, NameFinder, around
 from .tokens import CLOSING, OPENING, Line, Phrase, TextPiece, lines, phrase_at, piece_at
 
 PARAMETERS = "globalParameters"

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..data.simulation import Simulated
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
-from .pictures import CROWD, EGO, FARTHEST, INK, MARGIN, Window, colours_by_class, draw_land, draw_scale
-from .recordings import Simulated
-from .site_land import draw_site
+from .map_layers import draw_site
+from .scene_figures import CROWD, EGO, FARTHEST, INK, MARGIN, Window, colours_by_class, draw_land, draw_scale
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

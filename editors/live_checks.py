@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
-from .library import LONGEST
+from .module_library import LONGEST
 
 DELAY = 0.3
 """Seconds without a change after which a program is checked."""
@@ -86,7 +86,7 @@ class CheckingProcess:
 
     async def launch(self) -> Process:
         """Start a process, and wait until it listens, which takes seconds on a slow machine and is no part of any check."""
-        arguments = ("-P", "-m", f"{__package__}.worker")
+        arguments = ("-P", "-m", f"{__package__}.check_worker")
         self.process = await asyncio.create_subprocess_exec(sys.executable, *arguments, stdin=PIPE, stdout=PIPE, limit=LONGEST_ANSWER)
         assert self.process.stdout is not None
         await self.process.stdout.readline()

@@ -11,12 +11,11 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..roads.network import MapWorkspace, Network
-from .maps import ARROW, Window, areas_of, arrows_of, polygons_in, ways_of
-from .pictures import EDGE, EGO, FARTHEST, LAND, colours_by_class, land_in
-from .site_land import laid, lines_in
+from .map_layers import ARROW, Window, areas_of, arrows_of, laid, lines_in, polygons_in, ways_of
+from .scene_figures import EDGE, EGO, FARTHEST, LAND, colours_by_class, land_in
 
 if TYPE_CHECKING:
-    from .scenes import Scene
+    from ..data.scene import Scene
 
 Json = Mapping[str, object]
 ROOM, LEAST = 1.25, 30.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from .scopes import Meaning, NameFinder
-from .subjects import subject_at
+from .name_scopes import Meaning, NameFinder
+from .place_meanings import subject_at
 
 
 class DefinedAt(NamedTuple):

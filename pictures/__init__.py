@@ -1,0 +1,1 @@
+"""Pictures of scenes, simulations and maps, seen from above."""
