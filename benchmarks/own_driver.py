@@ -12,7 +12,7 @@ import time
 from dataclasses import asdict, dataclass
 
 from ..scenario import Scenario, load
-from ..simulators.simulating import Failed
+from ..simulators.loop import Failed
 from .own_sampler import Sample, serve
 from .released_sampler import peak
 

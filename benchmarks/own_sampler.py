@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..inference.batch import Batch
-from ..inference.batch.jobs.blocks import GROWTH, LARGEST, QUICK
+from ..inference.batch.jobs.worker_pools import GROWTH, LARGEST, QUICK
 from ..scenario import Scenario, load
 from ..semantics.kernel.errors import ScenicError
 from .released_sampler import peak

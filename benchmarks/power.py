@@ -14,9 +14,9 @@ from functools import partial
 
 import numpy as np
 import scenic_ref
-from scenic_ref.inference.statistics import compare
-from scenic_ref.inference.statistics.columns import FeatureTable
-from scenic_ref.inference.statistics.facts import Facts
+from scenic_ref.inference.comparison import compare
+from scenic_ref.inference.comparison.known_features import Facts
+from scenic_ref.inference.comparison.scene_columns import FeatureTable
 
 VIEWER = "v = Point at (0, 0), with viewDistance {}\nego = Object at (0, 0), with viewDistance 40\nObject visible from v\n"
 WRAP = (

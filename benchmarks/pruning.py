@@ -17,10 +17,10 @@ import numpy as np
 import scenic_ref
 from scenic_ref.benchmarks.narrow import NARROW
 from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
-from scenic_ref.inference.batch.evaluate.sampling import Batch
+from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.recording import record
+from scenic_ref.inference.pruning.traced_points import record
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.config import Config
 

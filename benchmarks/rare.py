@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import scenic_ref
 from scenic_ref.benchmarks.results import GALLERY, print_head, print_row, save
-from scenic_ref.inference.inferred import Inferred
+from scenic_ref.inference.result import Inferred
 from scenic_ref.scenario import Scenario
 
 YARD = """

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import scenic_ref
 from scenic_ref.benchmarks.results import print_head, print_row, save
-from scenic_ref.inference.dynamics.policy import CompiledPolicy
 from scenic_ref.simulators import by_name
+from scenic_ref.simulators.behaviors.policy import CompiledPolicy
 
 HEAD = """
 from scenic.domains.driving.actions import *

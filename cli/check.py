@@ -30,7 +30,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..inference.statistics import Verdict
+    from ..inference.comparison import Verdict
 
 DEFAULT_SEED = 20_190_625
 EXIT_CODES = {"equivalent": 0, "different": 1, "inconclusive": 5}

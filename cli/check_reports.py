@@ -10,8 +10,8 @@ from pathlib import Path
 from string import Template
 from xml.etree import ElementTree
 
-from ..inference.statistics import Feature, Verdict
-from ..inference.statistics.columns import unit_of
+from ..inference.comparison import Feature, Verdict
+from ..inference.comparison.scene_columns import unit_of
 from ..semantics.kernel.errors import UsageError
 from .files import check_place, write
 from .options import Source

@@ -77,7 +77,7 @@ def diff(
     """
     from ..conformance.differing import differences
     from ..conformance.looking import DiffSettings
-    from ..inference.statistics.comparison import check_settings
+    from ..inference.comparison.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from .conformance import opened
     from .files import check_ending, check_place

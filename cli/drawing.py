@@ -34,8 +34,8 @@ from .session import escaped, tell
 
 if TYPE_CHECKING:
     from ..inference.batch import Batch, Block
-    from ..inference.batch.jobs.lines import Lines
-    from ..inference.batch.jobs.tables import Tables
+    from ..inference.batch.jobs.block_tables import Tables
+    from ..inference.batch.jobs.scene_lines import Lines
     from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
@@ -77,14 +77,14 @@ class Drawing:
     @cached_property
     def lines(self) -> Lines:
         """What makes the lines of scenes that are drawn many at a time, of a program that is known to have a graph."""
-        from ..inference.batch.jobs.lines import Lines
+        from ..inference.batch.jobs.scene_lines import Lines
 
         return Lines(self.batch.template)
 
     @cached_property
     def tables(self) -> Tables:
         """What makes the tables of these scenes, in the same way."""
-        from ..inference.batch.jobs.tables import Tables
+        from ..inference.batch.jobs.block_tables import Tables
 
         return Tables(self.batch.template)
 

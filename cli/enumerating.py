@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..data.scene import in_json
+from ..inference.comparison.relations import table_of
+from ..inference.comparison.scene_columns import Column
 from ..inference.enumeration import Enumeration
-from ..inference.inferred import Probability, report
-from ..inference.statistics.columns import Column
-from ..inference.statistics.relations import table_of
+from ..inference.result import Probability, report
 from .drawing import drawing_of
 from .files import PICTURES, check_ending, check_file, check_place, write
 from .options import Source

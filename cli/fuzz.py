@@ -64,7 +64,7 @@ def fuzz(
     from ..conformance.fuzzing.causes import causes_of
     from ..conformance.fuzzing.examining import CampaignSettings
     from ..conformance.fuzzing.judgements import findings_at, findings_of
-    from ..inference.statistics.comparison import check_settings
+    from ..inference.comparison.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from ..semantics.readings import select
     from .conformance import opened

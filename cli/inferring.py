@@ -12,8 +12,8 @@ import typer
 
 from ..data.scene import in_json
 from ..data.table_files import SUFFIXES
-from ..inference.diagnostics import nested, rhat
-from ..inference.inferred import Inferred
+from ..inference.chain_diagnostics import nested, rhat
+from ..inference.result import Inferred
 from ..pictures.chain_plots import inference_data_in, needs_arviz, picture_with_chains
 from ..pictures.scene_figures import picture
 from .drawing import DrawnScene, drawing_of

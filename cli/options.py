@@ -94,7 +94,7 @@ class Source:
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
-        from ..inference.batch.devices import check_device
+        from ..inference.batch.torch_devices import check_device
         from ..interpreter.walls import WALL
         from ..scenario.loading import scenario_of
 

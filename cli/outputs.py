@@ -24,8 +24,8 @@ import numpy as np
 from ..data.scene import SCHEMA
 from ..data.simulation import SCHEMA as SIMULATION_SCHEMA
 from ..data.table_files import SUFFIXES
-from ..inference.batch.jobs.blocks import uninterrupted
-from ..inference.batch.jobs.shelves import LaidText
+from ..inference.batch.jobs.memory_files import LaidText
+from ..inference.batch.jobs.worker_pools import uninterrupted
 from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from ..data.scene_tables import Columns
 from ..inference.batch import Block
-from ..inference.batch.evaluate.features import features_in
-from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
+from ..inference.batch.features import features_in
 from ..inference.batch.jobs.failures import FailedDraw, failed
-from ..inference.batch.jobs.shelves import Shelf, lay
-from ..inference.statistics.columns import FeatureTable
+from ..inference.batch.jobs.memory_files import Shelf, lay
+from ..inference.batch.jobs.worker_pools import FIRST, Pace, Workers, block_of
+from ..inference.comparison.scene_columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source

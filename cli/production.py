@@ -8,9 +8,9 @@ from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
 from ..data.table_files import SUFFIXES
-from ..inference.batch.evaluate.columns import leavers
-from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
+from ..inference.batch.jobs.worker_pools import Workers, cluster, processes
+from ..inference.batch.numpy_evaluator import leavers
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..pictures.notebook_views import counted

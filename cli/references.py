@@ -8,10 +8,10 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from itertools import islice
 from types import TracebackType
 
-from ..inference.batch.jobs.blocks import processes
 from ..inference.batch.jobs.failures import FailedDraw
-from ..inference.statistics.columns import FeatureTable, features_table
-from ..inference.statistics.rounding import DEFAULT_TOLERANCE
+from ..inference.batch.jobs.worker_pools import processes
+from ..inference.comparison.rounding import DEFAULT_TOLERANCE
+from ..inference.comparison.scene_columns import FeatureTable, features_table
 from .drawing import Drawing, DrawnScene, drawing_of
 from .options import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
 from .portions import portions

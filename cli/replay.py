@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..data.recording_reader import Recording, recording_from
-from ..inference.simulation import SampledRun
+from ..inference.simulation_rejection import SampledRun
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
-from ..simulators.replays import Difference, difference_of
+from ..simulators.replay import Difference, difference_of
 
 
 def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:

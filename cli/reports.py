@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from scipy.special import bdtr
 
 from ..data.scene import in_json
-from ..inference.inferred import LEVEL, Probability, report
 from ..inference.rejection import acceptance
-from ..simulators.simulating import OF_SIMULATOR
+from ..inference.result import LEVEL, Probability, report
+from ..simulators.loop import OF_SIMULATOR
 from .errors import WORST, source_line
 from .files import write
 

@@ -17,8 +17,8 @@ from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
+from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed
 from .drawing import Drawing, DrawnScene, drawing_of
 from .files import LINES, check_ending, check_place
 from .options import Source

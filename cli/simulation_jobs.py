@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..data.simulation import to_line
-from ..inference.batch.jobs.blocks import Workers
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
-from ..inference.simulation import SampledRun
+from ..inference.batch.jobs.worker_pools import Workers
+from ..inference.simulation_rejection import SampledRun
 from ..pictures.replay_pages import land_below
 from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError, ScenicError
 from ..simulators import by_name
+from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed
 from .drawing import Drawing, drawing_of, listen
 from .options import Source
 from .workers import done_by

@@ -12,14 +12,14 @@ from typing import NamedTuple
 from ..data.scene import in_json
 from ..data.simulation import Simulated
 from ..inference.rejection import sample
-from ..inference.simulation import NextScene, attempts_at
+from ..inference.simulation_rejection import NextScene, attempts_at
 from ..interpreter.choosers import from_stream
 from ..interpreter.tracing import Event, Trace, finite
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
+from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed
 from .drawing import drawing_of
 from .errors import source_line, source_text
 from .files import write

@@ -6,8 +6,8 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager
 from typing import NamedTuple, TypeVar
 
-from ..inference.batch.jobs.blocks import Workers, processes
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
+from ..inference.batch.jobs.worker_pools import Workers, processes
 from ..inference.rejection import patiently
 from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, DrawnScene, drawing_of

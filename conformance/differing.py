@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from ..inference.statistics import compare
-from ..inference.statistics.columns import leaves
-from ..inference.statistics.names import matching
+from ..inference.comparison import compare
+from ..inference.comparison.feature_names import matching
+from ..inference.comparison.scene_columns import leaves
 from ..scenario import Scenario
 from ..semantics.kernel.classes import view_distance
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError

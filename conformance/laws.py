@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..inference.statistics.laws import DEFAULT_ALPHA, BoundedMean, Continuous, evidence
+from ..inference.comparison.exact_laws import DEFAULT_ALPHA, BoundedMean, Continuous, evidence
 from .fields import VectorFields
 
 THRESHOLD = -math.log10(DEFAULT_ALPHA)

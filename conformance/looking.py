@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
-from ..inference.statistics import Verdict
+from ..inference.comparison import Verdict
 from ..scenario import Scenario
 from ..semantics.kernel.errors import ProgramError, UsageError
 from ..semantics.readings import READINGS, select

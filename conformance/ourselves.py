@@ -21,7 +21,7 @@ from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhau
 from ..semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE
-from ..simulators.simulating import simulate_once
+from ..simulators.loop import simulate_once
 from ..simulators.still import Still
 from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, SimulationRecord, Task
 from .recorded_world import RecordedWorld, World

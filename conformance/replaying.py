@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from ..data.simulation import to_json
-from ..inference.statistics import compare
-from ..inference.statistics.columns import features_table
-from ..inference.statistics.facts import Facts
-from ..inference.statistics.impossible import constants_of
+from ..inference.comparison import compare
+from ..inference.comparison.impossible_values import constants_of
+from ..inference.comparison.known_features import Facts
+from ..inference.comparison.scene_columns import features_table
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, UsageError
 from ..testing.judging import MOST_RUNS

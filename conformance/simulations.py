@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..inference.statistics.laws import evidence
+from ..inference.comparison.exact_laws import evidence
 from .fields import VectorFields
 from .implementation import Enumerated, EnumeratingSimulations, Implementation, NeverAccepted, Refused, Simulating, SimulationRecord, Task
 from .matching import ATTEMPTS, Disagreement, disagreed, requirements

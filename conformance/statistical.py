@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..inference.statistics.laws import Categorical, evidence
+from ..inference.comparison.exact_laws import Categorical, evidence
 from .fields import VectorFields
 from .implementation import Enumerated, Enumerating, Implementation, NeverAccepted, Refused, Task
 from .laws import THRESHOLD, Law, contradiction, read_law

@@ -13,15 +13,57 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import count
 from typing import NamedTuple
 
 from ..data.scene import Scene, scene_of
+from ..data.simulation import Simulated, to_json
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, run
 from ..pictures.notebook_views import counted
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, Requirement
-from .quantiles import quantiles
+from ..semantics.space.distributions import Distribution, Numbers
+from ..simulators.loop import Failed, simulate_once
+from ..simulators.protocol import Simulator
+from .simulation_rejection import exhausted
+
+
+def quantiles(distribution: Distribution, n: int) -> tuple[object, ...]:
+    """`n` values that stand for the distribution, each with probability 1/n."""
+    return tuple(distribution.sample(hammersley(i, n)) for i in range(n))
+
+
+def hammersley(i: int, n: int) -> Numbers:
+    """The coordinates of point `i` of `n` of a Hammersley set, one per call, in as many dimensions as are asked for."""
+    coordinates = _coordinates(i, n)
+    return lambda: next(coordinates)
+
+
+def _coordinates(i: int, n: int) -> Iterator[float]:
+    yield (i + 0.5) / n
+    for prime in primes():
+        yield radical_inverse(i, prime)
+
+
+def primes() -> Iterator[int]:
+    """2, 3, 5, ..."""
+    found: list[int] = []
+    for candidate in count(2):
+        if all(candidate % prime for prime in found):
+            found.append(candidate)
+            yield candidate
+
+
+def radical_inverse(i: int, base: int) -> float:
+    """The digits of `i` in `base`, mirrored behind the point: in [0, 1)."""
+    result, scale = 0.0, 1.0 / base
+    while i:
+        i, digit = divmod(i, base)
+        result += digit * scale
+        scale /= base
+    return result
+
 
 DEFAULT_RUNS = 20_000
 
@@ -265,3 +307,84 @@ def content_of_scene(scene: Scene) -> str:
 def numbered(scene: Scene, index: int, probability: Fraction) -> Scene:
     """The scene as outcome number `index`, weighing its probability."""
     return replace(scene, index=index, weight=float(probability))
+
+
+class History(NamedTuple):
+    """A simulation, and the exact probability of just this one: its scene, its actions, its end."""
+
+    probability: Fraction
+    simulation: Simulated
+
+
+@dataclass(frozen=True)
+class Histories:
+    """The exact distribution of the simulations of a program, the most likely first; their probabilities add up to 1.
+
+    `acceptance` is the probability that a run is accepted, `stuck` that it fails at each requirement in each time step.
+    """
+
+    outcomes: tuple[History, ...]
+    acceptance: Fraction
+    stuck: Mapping[Failed, Fraction]
+    runs: int
+
+    def __repr__(self) -> str:
+        accepted = f"a run is accepted with probability {float(self.acceptance):.6g}"
+        return f"<{counted(len(self.outcomes), 'simulation')}, exact, of {counted(self.runs, 'run')}; {accepted}>"
+
+    def law(self, read: Callable[[Simulated], Hashable]) -> dict[Hashable, Fraction]:
+        """The distribution of `read(simulation)`."""
+        found: dict[Hashable, Fraction] = defaultdict(Fraction)
+        for probability, simulation in self.outcomes:
+            found[read(simulation)] += probability
+        return dict(found)
+
+
+def enumerate_simulations(
+    start: Callable[[], Config], simulator: Simulator, steps: int, *, max_runs: int = DEFAULT_RUNS, fuel: int = DEFAULT_FUEL
+) -> Histories:
+    """The exact distribution of simulations of at most `steps` time steps, in a simulator that is deterministic.
+
+    Raises `UsageError` for a simulator that is random, and at a draw that is not finite or is made once per scene (reading `soft=scene`),
+    `RunsExhausted` when there are more than `max_runs` runs, `AttemptsExhausted` if none is accepted, and the errors of the program and simulator.
+    """
+    if getattr(simulator, "random", False):
+        raise UsageError("simulations are enumerated in a simulator that is not random", hint="sample them instead")
+    masses: dict[str, Fraction] = defaultdict(Fraction)
+    simulations: dict[str, Simulated] = {}
+    stuck: dict[Failed, Fraction] = defaultdict(Fraction)
+    prefix: list[Taken] | None = []
+    runs, covered = 0, Fraction(0)
+    begin = Beginnings(start, fuel)
+    while prefix is not None:
+        if runs == max_runs:
+            text = f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability"
+            raise RunsExhausted(text, runs=max_runs, covered=covered)
+        runner = Runner(prefix, None)
+        ended = simulate_once(begin(), runner.choose, simulator, steps, fuel=fuel)
+        if runner.coins:
+            raise UsageError("simulations are enumerated under the reading soft=run only")
+        runs, covered = runs + 1, covered + runner.probability
+        if isinstance(ended, Simulated):
+            key = content_of_simulation(ended)
+            simulations.setdefault(key, ended)
+            masses[key] += runner.probability
+        else:
+            stuck[ended] += runner.probability
+        prefix = following(runner.choices)
+    acceptance = sum(masses.values(), Fraction(0))
+    if not masses:
+        raise exhausted(f"no simulation is possible: all {runs:,} runs fail", runs, Counter(dict.fromkeys(stuck, 1)))
+    ranked = sorted(masses, key=lambda key: -masses[key])
+    outcomes = tuple(History(masses[key] / acceptance, simulations[key]) for key in ranked)
+    return Histories(outcomes, acceptance, dict(stuck), runs)
+
+
+def content_of_simulation(simulation: Simulated) -> str:
+    """What a simulation says, whatever its number: those with the same content are one outcome."""
+    found = to_json(simulation, 1)
+    scene = found["scene"]
+    assert isinstance(scene, dict)
+    parts = [scene["params"], scene["ego"], scene["objects"], *(found[name] for name in ("created", "steps", "result", "reason"))]
+    return json.dumps(parts, allow_nan=False)
+

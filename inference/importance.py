@@ -20,13 +20,13 @@ from ..data.scene import Scene, scene_of
 from ..interpreter.streams import fold
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
-from .batch.evaluate.rows import FailedRows, note
-from .batch.trace.templates import scenes_of
-from .diagnostics import Diagnosis
-from .inferred import LEVEL, Inferred, Probability
+from .batch.row_calls import FailedRows, note
+from .batch.scene_template import scenes_of
+from .chain_diagnostics import Diagnosis
+from .moves.states import Evaluation, States
+from .moves.target import Target
 from .rejection import DEFAULT_ATTEMPTS, exhausted
-from .sites.states import Evaluation, States
-from .sites.target import Target
+from .result import LEVEL, Inferred, Probability
 
 BLOCK = 1 << 14
 OnScenes = Callable[[int], None]

@@ -17,11 +17,11 @@ import numpy as np
 
 from ..interpreter.streams import fold
 from .batch import Batch
-from .diagnostics import Diagnosis, diagnose
-from .inferred import LARGEST_RHAT, Inferred
-from .sites.moves import Moves, MovesMade
-from .sites.states import States
-from .sites.target import Target
+from .chain_diagnostics import Diagnosis, diagnose
+from .moves.proposals import Moves, MovesMade
+from .moves.states import States
+from .moves.target import Target
+from .result import LARGEST_RHAT, Inferred
 from .smc import Population, move, name_of, probability, some, split, told
 
 POPULATIONS, PARTICLES = 8, 128

@@ -20,7 +20,7 @@ from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, Chooser, W
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement
-from .inferred import LEVEL, Probability
+from .result import LEVEL, Probability
 
 DEFAULT_ATTEMPTS = 100_000
 SELDOM = 1_000

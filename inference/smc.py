@@ -20,12 +20,12 @@ from ..interpreter.streams import fold
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
-from .diagnostics import Diagnosis, nested
-from .inferred import LEVEL, Inferred, Probability
+from .chain_diagnostics import Diagnosis, nested
+from .moves.proposals import Moves, MovesMade
+from .moves.states import CHUNK, States
+from .moves.target import SCALED_BY, Target
 from .rejection import exhausted
-from .sites.moves import Moves, MovesMade
-from .sites.states import CHUNK, States
-from .sites.target import SCALED_BY, Target
+from .result import LEVEL, Inferred, Probability
 
 KEPT = 0.3
 """The part of the states that is kept at each level, where violations differ: about that, since the levels are those of another population."""

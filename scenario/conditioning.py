@@ -7,10 +7,9 @@ from copy import copy
 from typing import TYPE_CHECKING
 
 from ..data.scene import Scene, scene_of
-from ..inference.batch.trace.graph import GraphNode, RowDraw, Site
-from ..inference.batch.trace.running import Lifted, trace
-from ..inference.batch.trace.structures import nodes_in
-from ..inference.batch.trace.symbols import Choice
+from ..inference.batch.graph import GraphNode, RowDraw, Site
+from ..inference.batch.symbolic import Choice, nodes_in
+from ..inference.batch.tracing import Lifted, trace
 from ..interpreter.choosers import AS_THEY_ARE
 from ..interpreter.running import Accepted
 from ..semantics.kernel.allowed import is_user_made

@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 from ..data.scene import OWN_FIELDS, json_value, scene_of
 from ..inference.batch import Batch
-from ..inference.batch.evaluate.features import supports_of
-from ..inference.batch.evaluate.plan import only_rejects
-from ..inference.batch.evaluate.suggested import Suggested
+from ..inference.batch.evaluation_plan import only_rejects
+from ..inference.batch.features import supports_of
+from ..inference.batch.suggested_features import Suggested
+from ..inference.comparison.known_features import Facts
+from ..inference.comparison.scene_columns import leaves
 from ..inference.rejection import DEFAULT_ATTEMPTS, sample
-from ..inference.statistics.columns import leaves
-from ..inference.statistics.facts import Facts
 from ..interpreter.choosers import Draws
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Done, Outcome

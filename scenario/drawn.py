@@ -12,8 +12,8 @@ from ..data.scene_tables import OWN, Columns, columns_of, pieces_of, together
 from ..data.table_files import arrow_for, arrow_table
 from ..data.typed_columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, length_of
 from ..inference.batch import Batch, Block
-from ..inference.batch.jobs.blocks import jobs
-from ..inference.batch.jobs.tables import Tables
+from ..inference.batch.jobs.block_tables import Tables
+from ..inference.batch.jobs.worker_pools import jobs
 from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.extras import needed
 from ..pictures.notebook_views import counted

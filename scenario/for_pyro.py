@@ -9,7 +9,7 @@ from ..interpreter.extras import needed
 
 if TYPE_CHECKING:
     from ..data.scene import Scene
-    from ..inference.with_pyro import NumberModel, SceneKernel
+    from ..inference.pyro_adapter import NumberModel, SceneKernel
     from ..semantics.kernel.config import Config
 
 
@@ -24,7 +24,7 @@ class ForPyro(NamedTuple):
 def pyro_for(what: str) -> ForPyro:
     """It, once Pyro is imported. Raises `UsageError` without the extra `pyro`: `what` needs it."""
     try:
-        from ..inference.with_pyro import NumberModel, SceneKernel, model_of
+        from ..inference.pyro_adapter import NumberModel, SceneKernel, model_of
     except ImportError as problem:
         raise needed(what, "pyro", problem) from None
     return ForPyro(SceneKernel, NumberModel, model_of)

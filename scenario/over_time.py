@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 from ..data.recording_reader import Recording
 from ..data.simulation import Simulated
-from ..inference.dynamics.code import Library
-from ..inference.enumeration import DEFAULT_RUNS
-from ..inference.histories import Histories, enumerate_simulations
+from ..inference.enumeration import DEFAULT_RUNS, Histories, enumerate_simulations
 from ..inference.rejection import DEFAULT_ATTEMPTS
-from ..inference.simulation import NextScene, SampledRun, sample_simulation
+from ..inference.simulation_rejection import NextScene, SampledRun, sample_simulation
 from ..interpreter.running import Witness
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..simulators import by_name
+from ..simulators.behaviors.compiled_library import Library
+from ..simulators.loop import Failed, Settled
 from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed, Settled
 from .checking import check_whole
 from .simulating import SimulationBackend, SimulationRange, Told, check_simulation_backend, replayed, simulate_many
 

@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING
 
 from ..data.scene import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
-from ..inference.batch.devices import check_device
-from ..inference.batch.evaluate.features import features_in
-from ..inference.batch.jobs.blocks import block_of, jobs
+from ..inference.batch.features import features_in
+from ..inference.batch.jobs.worker_pools import block_of, jobs
+from ..inference.batch.torch_devices import check_device
+from ..inference.comparison.known_features import Facts
+from ..inference.comparison.scene_columns import FeatureTable, features_table
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.importance import draw_importance
-from ..inference.inferred import Inferred
 from ..inference.mcmc import draw_mcmc
+from ..inference.moves.target import Target
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
-from ..inference.sites.target import Target
+from ..inference.result import Inferred
 from ..inference.smc import draw_smc
-from ..inference.statistics.columns import FeatureTable, features_table
-from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.dialects import DIALECTS
@@ -53,8 +53,8 @@ from .showing import Shown
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..inference.batch.tensors.margins import Margins
-    from ..inference.with_pyro import NumberModel, SceneKernel
+    from ..inference.batch.torch_margins import Margins
+    from ..inference.pyro_adapter import NumberModel, SceneKernel
 
 
 def calls(node: Node) -> bool:
@@ -331,7 +331,7 @@ class Scenario(Portable, Shown, OverTime):
         check_device(device)
         if self.batch is None:
             raise self.impossible or UsageError(f"there are no margins of this program: {self.not_lifted}")
-        from ..inference.batch.tensors.margins import Margins
+        from ..inference.batch.torch_margins import Margins
 
         return Margins(Target(self.batch, seed), device)
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 from ..data.recording_reader import Recording, recording_of
 from ..data.simulation import Simulated
-from ..inference.batch.jobs.blocks import processes
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
-from ..inference.simulation import SampledRun, accepted
+from ..inference.batch.jobs.worker_pools import processes
+from ..inference.simulation_rejection import SampledRun, accepted
 from ..semantics.kernel.errors import ScenicError, UsageError
 from ..simulators import by_name
 from ..simulators.actions import ACTIONS
 from ..simulators.protocol import Simulator
-from ..simulators.replays import replay_once
+from ..simulators.replay import replay_once
 
 if TYPE_CHECKING:
     from .scenario import Scenario

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.suggestions import did_you_mean
-from .own import own_simulator
 from .protocol import EndRun, RejectRun, Simulator, Surroundings
+from .user_simulator import own_simulator
 
 
 def _still(timestep: float | None) -> Simulator:
@@ -23,13 +23,13 @@ def _kinematic(timestep: float | None) -> Simulator:
 
 
 def _pymunk(timestep: float | None) -> Simulator:
-    from .physics import Physics
+    from .pymunk_simulator import Physics
 
     return Physics(0.1 if timestep is None else timestep)
 
 
 def _sumo(timestep: float | None) -> Simulator:
-    from .traffic import Traffic
+    from .sumo_simulator import Traffic
 
     return Traffic(0.1 if timestep is None else timestep)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..data.simulation import Body
 from ..semantics.space.vectors import Vector
 from . import actions as a
-from .arguments import is_number
+from .actions import is_number
 
 CONTROLS = ("throttle", "brake", "steer", "hand_brake", "reverse")
 """The properties in which objects of the Newtonian model have their controls, by the released names; `SHOWN` says which objects do."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Verdict
-from ..inference.statistics.rounding import DEFAULT_TOLERANCE
+from ..inference.comparison import DEFAULT_ALPHA, DEFAULT_TV, Verdict
+from ..inference.comparison.rounding import DEFAULT_TOLERANCE
 from ..scenario import Scenario
 from ..semantics.kernel.errors import UsageError
 from .judging import REFERENCE_SEED, Reference, Samples, judged

@@ -12,17 +12,16 @@ from pathlib import Path
 from scipy.special import betaincinv
 
 from ..data.scene import Scene
+from ..inference.comparison import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
+from ..inference.comparison.comparison import check_settings, with_law
+from ..inference.comparison.feature_names import SampleNames
+from ..inference.comparison.known_features import Facts
+from ..inference.comparison.rounding import DEFAULT_TOLERANCE
+from ..inference.comparison.sample_files import AnyScene, scenes_in
+from ..inference.comparison.sample_files import Samples as Given
+from ..inference.comparison.scene_columns import leaves
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
-from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
-from ..inference.statistics.columns import leaves
-from ..inference.statistics.comparison import check_settings, with_law
-from ..inference.statistics.facts import Facts
-from ..inference.statistics.names import SampleNames
-from ..inference.statistics.reading import scenes_in
-from ..inference.statistics.rounding import DEFAULT_TOLERANCE
-from ..inference.statistics.samples import AnyScene
-from ..inference.statistics.samples import Samples as Given
 from ..interpreter.dialects import DIALECTS
 from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError

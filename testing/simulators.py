@@ -19,8 +19,8 @@ from ..interpreter.running import drive
 from ..scenario import loads
 from ..semantics.kernel.outcome import Done
 from ..semantics.space.vectors import Vector
+from ..simulators.loop import body_of, surroundings
 from ..simulators.protocol import EndRun, RejectRun, Simulator, Surroundings
-from ..simulators.simulating import body_of, surroundings
 
 STEPS = 3
 CLASS = "class {}:\n    width: 2\n    length: 4\n    drives: True\n"

@@ -44,14 +44,14 @@ ONLY_IN = {
     "PIL": {"pictures/movies.py"},
     "pygments": {"editors/pygments_lexer.py"}, "pyarrow": {"data/table_files.py", "scenario/drawn.py"},
     "pandas": {"scenario/drawn.py"}, "polars": {"scenario/drawn.py"},
-    "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
-    "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
+    "distributed": {"inference/batch/jobs/worker_pools.py"}, "hypothesis": {"conformance/programs/strategies.py"},
+    "pymunk": {"simulators/pymunk_simulator.py"}, "sumo": {"simulators/sumo_simulator.py"}, "traci": {"simulators/sumo_simulator.py"},
     "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
     "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
-    "arviz": {"pictures/chain_plots.py"}, "pyro": {"inference/with_pyro.py"},
+    "arviz": {"pictures/chain_plots.py"}, "pyro": {"inference/pyro_adapter.py"},
     "pyproj": {"roads/geodata.py"}, "shapefile": {"roads/geodata.py"},
-    "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
-    **{name: {"inference/batch/compile/kernels.py", "inference/batch/compile/code_cache.py"} for name in ("numba", "llvmlite")},
+    "torch": {"inference/pyro_adapter.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
+    **{name: {"inference/batch/primitives/numba_kernels.py", "inference/batch/code_cache.py"} for name in ("numba", "llvmlite")},
 }
 
 SEAM = {"space/crowds.py", "space/symbols.py", "space/numeric.py", "kernel/allowed.py", "kernel/kinds.py", "kernel/values.py"}
@@ -300,7 +300,7 @@ def test_one_loop_drives_the_machine():
     assert set(loops) - TIME == {"semantics/kernel/driving.py"}
 
 
-TIME = {"simulators/physics.py", "testing/simulators.py"}
+TIME = {"simulators/pymunk_simulator.py", "testing/simulators.py"}
 """Their loops go from one time step of a simulator to the next."""
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.data.table_files import open_table
+from scenic_ref.inference.batch import block_rejection
 from scenic_ref.inference.batch import compile as compiler
-from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
@@ -40,7 +40,7 @@ def test_the_table_of_extras_is_that_of_the_package():
 
 def test_without_numba_long_runs_are_drawn_on_columns(afresh, monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.setattr(sampling, "COMPILE_LEAST", -1e9)  # the compiled evaluator is wanted at once
+    monkeypatch.setattr(block_rejection, "COMPILE_LEAST", -1e9)  # the compiled evaluator is wanted at once
     scenario = scenic_ref.load(ROOT / "examples" / "gallery" / "two_cars.scenic")
     assert len(list(scenario.sample_many(600, seed=3, backend="batch"))) == 600
     assert scenario.batch is not None
@@ -60,7 +60,7 @@ def test_a_numba_that_does_not_fit_is_told_and_not_used(afresh, monkeypatch, tmp
 
 
 def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch):
-    monkeypatch.setitem(sys.modules, "scenic_ref.inference.batch.compile.kernels", None)
+    monkeypatch.setitem(sys.modules, "scenic_ref.inference.batch.primitives.numba_kernels", None)
     batch = scenic_ref.loads("ego = Object at (Range(0, 1), 0)").batch
     assert batch is not None
     with pytest.raises(ImportError):
@@ -80,7 +80,7 @@ def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch)
 )  # fmt: skip
 def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, package, None)
-    for name in [n for n in sys.modules if n.startswith(("scenic_ref.inference.with_pyro", "scenic_ref.inference.batch.tensors."))]:
+    for name in [n for n in sys.modules if n.startswith(("scenic_ref.inference.pyro_adapter", "scenic_ref.inference.batch.tensors."))]:
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(UsageError, match=rf"needs the package {package}\nhint: pip install") as caught:
         use(tmp_path)

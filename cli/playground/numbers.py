@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from ...data.scene import in_json, json_value
-from ...inference.batch.jobs.blocks import jobs
+from ...inference.batch.jobs.worker_pools import jobs
+from ...inference.comparison.relations import related, table_of
 from ...inference.enumeration import Enumeration
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...inference.statistics.relations import related, table_of
 from ...interpreter.running import Accepted
 from ...scenario import Scenario
 from ...scenario.observing import NAME, expression_of, law_of, observed

@@ -13,8 +13,8 @@ from ...pictures.scene_figures import check_format, picture
 from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import UsageError
 from ...simulators import SIMULATORS, by_name
+from ...simulators.loop import Failed
 from ...simulators.protocol import Simulator
-from ...simulators.simulating import Failed
 from ..drawing import drawing_of
 from ..options import DEFAULT_ATTEMPTS
 from ..pages import network_of

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 from ...data.scene import Scene
 from ...inference.batch import Block
-from ...inference.batch.jobs.blocks import jobs
+from ...inference.batch.jobs.worker_pools import jobs
+from ...inference.comparison.relations import table_of
+from ...inference.comparison.scene_columns import ABSENT, OTHERWISE, leaves, unit_of
 from ...inference.enumeration import content_of_scene
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves, unit_of
-from ...inference.statistics.relations import table_of
 from ...interpreter.running import Witness
 from ...scenario.diagnosing import of_warning
 from ...scenario.noticing import warnings_about

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 
 from ...data.scene import in_json
-from ...inference.batch.jobs.blocks import end_with_parent
+from ...inference.batch.jobs.worker_pools import end_with_parent
 from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
 from .asked import PlayRequest

@@ -15,7 +15,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from ...inference.batch.jobs.blocks import end_with_parent
+from ...inference.batch.jobs.worker_pools import end_with_parent
 from ...semantics.kernel.errors import UsageError
 from ..environments import implementation
 from ..external import External

@@ -6,8 +6,8 @@ import json
 import re
 from collections.abc import Mapping
 
-from ...inference.statistics.comparison import with_law
-from ...inference.statistics.names import SampleNames
+from ...inference.comparison.comparison import with_law
+from ...inference.comparison.feature_names import SampleNames
 from ...scenario.loading import loads
 from ...semantics.kernel.errors import AttemptsExhausted, ProgramError
 from ...semantics.rules import RULES, SILENT

@@ -19,8 +19,8 @@ from multiprocessing import get_context
 from typing import Literal
 
 from ...data.scene import Scene, scene_of
+from ...inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...inference.enumeration import Enumeration, content_of_scene
-from ...inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...interpreter.choosers import from_stream
 from ...interpreter.parser import parse
 from ...interpreter.running import Accepted, Chooser, run

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from ...semantics.space.distributions import PointIn
 from ...semantics.space.regions import PolygonalRegion, Region
-from .recording import Address
+from .traced_points import Address
 
 Technique = Literal["containment", "orientation", "size", "reachability", "offset"]
 TECHNIQUES: tuple[Technique, ...] = ("containment", "orientation", "size", "reachability", "offset")

@@ -1,4 +1,4 @@
-(** Factorised rejection of any tree of components: `inference/batch/evaluate/components.py`. (`Rejection` has that of two.)
+(** Factorised rejection of any tree of components: `inference/batch/factorised_rejection.py`. (`Rejection` has that of two.)
 
     A component is draws of its own, the components within it, and a requirement about all these draws. It is drawn until its requirement holds,
     and whenever it is drawn anew, so are the components within it, each of them until what is required of it alone holds. The draws of different

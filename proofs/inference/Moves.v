@@ -1,4 +1,4 @@
-(** The move `step` of inference/sites/moves.py, and where chains can get: the moves redraw and exchange are in `Rejection`.
+(** The move `step` of inference/moves/proposals.py, and where chains can get: the moves redraw and exchange are in `Rejection`.
 
     "they move by a normal step, around the unit interval as if its ends met": here the interval is a circle of n points, and the law of a step any
     that is symmetric. The desired distribution stays as it is ([steps_around_a_circle_leave_the_desired_distribution_invariant]), whatever

@@ -1,5 +1,5 @@
 (** Pruning leaves the distribution of a scenario as it is where what is removed has probability zero under the requirements:
-    `inference/pruning/applicability.py`. The paper's Section "Domain-Specific Sampling Techniques". Where that does not hold, it may change the
+    `inference/pruning/analysis.py`. The paper's Section "Domain-Specific Sampling Techniques". Where that does not hold, it may change the
     distribution: two examples. That the algorithms keep the positions that meet their geometric premises is in `Pruning`, for regions of the
     plane; here a position is one of finitely many values. `PrunedScenarios` joins the two. *)
 From Coq Require Import List QArith Bool Lqa.

@@ -6,11 +6,11 @@
     ([a_scene_found_within_n_attempts_has_the_desired_distribution]), and so do
 
     - factorised rejection, where a component that is independent of the others is drawn again
-      by itself until what is required of it alone holds (inference/batch/evaluate/components.py);
+      by itself until what is required of it alone holds (inference/batch/factorised_rejection.py);
     - weighted runs, in expectation (inference/importance.py weighs runs by the survival of their
       coins, which is [weighing_by_survival_gives_the_law_under_run] of SoftRequirements);
     - moves that are as likely back as forth, taken where the requirements allow it
-      (inference/mcmc.py, the moves redraw and exchange of inference/sites/moves.py), in that they leave the
+      (inference/mcmc.py, the moves redraw and exchange of inference/moves/proposals.py), in that they leave the
       distribution as it is;
 
     but it will not do to draw only the object that collides again, nor a component that
@@ -560,7 +560,7 @@ Proof.
 Qed.
 End Chains.
 
-(** *** The moves of inference/sites/moves.py *)
+(** *** The moves of inference/moves/proposals.py *)
 
 (** redraw: one coordinate anew from its prior, the others ([e]) as they are. *)
 Definition redraw {A B} (d : dist A) (ab : A * B) : dist (A * B) :=

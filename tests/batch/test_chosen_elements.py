@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.evaluate.column_calls import column_methods, heading_along
-from scenic_ref.inference.batch.evaluate.columns import search_parts
-from scenic_ref.inference.batch.trace import running
-from scenic_ref.inference.batch.trace.graph import RowCall, RowDraw, SearchPart
+from scenic_ref.inference.batch import tracing
+from scenic_ref.inference.batch.graph import RowCall, RowDraw, SearchPart
+from scenic_ref.inference.batch.numpy_evaluator import search_parts
+from scenic_ref.inference.batch.row_calls import column_methods, heading_along
 from scenic_ref.semantics.space.regions import PolylineRegion
 from scenic_ref.semantics.space.vectors import Vector
 
@@ -61,13 +61,13 @@ def test_a_program_is_traced_along_a_run_with_values_that_few_runs_have(monkeypa
     assert scenario.not_lifted is None
     drawn, one_by_one = (scenario.sample_many(3, seed=1, backend=b) for b in ("batch", "interpreter"))  # type: ignore[arg-type]
     assert [s.to_line() for s in drawn] == [s.to_line() for s in one_by_one]
-    monkeypatch.setattr(running, "LOOKED_AT", running.TRIES)
+    monkeypatch.setattr(tracing, "LOOKED_AT", tracing.TRIES)
     assert scenic_ref.loads(RARE).not_lifted is not None
 
 
 @pytest.mark.parametrize(("name", "value"), [("LOOKED_AT", 40), ("MOST_STEPS", 200)])
 def test_the_search_for_such_a_run_has_an_end(name, value, monkeypatch):
-    monkeypatch.setattr(running, name, value)
+    monkeypatch.setattr(tracing, name, value)
     assert "no run with all values was found" in str(scenic_ref.loads(RARE).not_lifted)
 
 

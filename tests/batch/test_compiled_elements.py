@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.inference.batch.evaluate.column_calls import distance_from_polygon, heading_along
-from scenic_ref.inference.batch.evaluate.columns import search_parts
-from scenic_ref.inference.batch.evaluate.polygons import edges_of
-from scenic_ref.inference.batch.trace.graph import SearchPart
+from scenic_ref.inference.batch.graph import SearchPart
+from scenic_ref.inference.batch.numpy_evaluator import search_parts
+from scenic_ref.inference.batch.primitives.point_in_polygon import edges_of
+from scenic_ref.inference.batch.row_calls import distance_from_polygon, heading_along
 from scenic_ref.roads.network import Lane
 from scenic_ref.semantics.space.regions import PolygonalRegion
 from scenic_ref.simulators.worlds.driving import default_network
@@ -52,7 +52,7 @@ def lanes() -> list[Lane]:
 
 
 def test_headings_are_those_of_the_nearest_segment_of_geos() -> None:
-    from scenic_ref.inference.batch.compile import kernels
+    from scenic_ref.inference.batch.primitives import numba_kernels
 
     random = np.random.default_rng(3)
     unsure = count = 0
@@ -63,7 +63,7 @@ def test_headings_are_those_of_the_nearest_segment_of_geos() -> None:
         points = np.concatenate([on + random.normal(0, 3, on.shape), on, on + random.normal(0, 1e-10, on.shape)])
         expected = heading_along(curve, *points.T)
         for (x, y), heading in zip(points, expected):
-            known, found = kernels.nearest_heading(x, y, ends, np.asarray(curve.headings), 0, len(ends))
+            known, found = numba_kernels.nearest_heading(x, y, ends, np.asarray(curve.headings), 0, len(ends))
             assert not known or found == heading
             unsure += not known
             count += 1
@@ -71,7 +71,7 @@ def test_headings_are_those_of_the_nearest_segment_of_geos() -> None:
 
 
 def test_distances_from_polygons_are_those_of_geos() -> None:
-    from scenic_ref.inference.batch.compile import kernels
+    from scenic_ref.inference.batch.primitives import numba_kernels
 
     random = np.random.default_rng(4)
     with_a_hole = PolygonalRegion(polygon=shapely.Point(0, 0).buffer(9, quad_segs=5).difference(shapely.box(-3, -2, 4, 1)))
@@ -81,18 +81,18 @@ def test_distances_from_polygons_are_those_of_geos() -> None:
         points = random.uniform((west - 20, south - 20), (east + 20, north + 20), (200, 2))
         expected = distance_from_polygon(region, *points.T)
         for (x, y), away in zip(points, expected):
-            known, found = kernels.polygon_distance(x, y, edges, 0, len(edges))
+            known, found = numba_kernels.polygon_distance(x, y, edges, 0, len(edges))
             assert known and found == away
         for x, y in random.choice(shapely.get_coordinates(region.polygon), 20):
-            assert not kernels.polygon_distance(x, y, edges, 0, len(edges))[0]
+            assert not numba_kernels.polygon_distance(x, y, edges, 0, len(edges))[0]
 
 
 def test_parts_are_searched_as_in_columns() -> None:
-    from scenic_ref.inference.batch.compile import kernels
+    from scenic_ref.inference.batch.primitives import numba_kernels
 
     random = np.random.default_rng(5)
     parts = [np.append(np.sort(random.choice(9, n).astype(float)), np.inf) for n in (0, 1, 2, 5, 9)]
     values, starts = np.concatenate(parts), np.cumsum([0, *map(len, parts)])
     part, value = random.integers(0, 5, 400), random.choice(np.arange(-1, 10, 0.5), 400)
     expected = search_parts(SearchPart(values, starts), part, value)
-    assert [kernels.search_part(values, starts, k, v) for k, v in zip(part, value)] == expected.tolist()
+    assert [numba_kernels.search_part(values, starts, k, v) for k, v in zip(part, value)] == expected.tolist()

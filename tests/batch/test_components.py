@@ -7,14 +7,13 @@ import math
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
-from scenic_ref.inference.batch import Batch, NotLifted
-from scenic_ref.inference.batch.evaluate import sampling
-from scenic_ref.inference.batch.evaluate.components import Component, components, obstacle, worthwhile
-from scenic_ref.inference.batch.evaluate.sampling import BlockDrawing
-from scenic_ref.inference.batch.trace.graph import Site
-from scenic_ref.inference.batch.trace.running import trace
+from scenic_ref.inference.batch import Batch, NotLifted, block_rejection
+from scenic_ref.inference.batch.block_rejection import BlockDrawing
+from scenic_ref.inference.batch.factorised_rejection import Component, components, obstacle, worthwhile
+from scenic_ref.inference.batch.graph import Site
+from scenic_ref.inference.batch.tracing import trace
+from scenic_ref.inference.comparison.exact_laws import Categorical, evidence
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.inference.statistics.laws import Categorical, evidence
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 
@@ -43,7 +42,7 @@ require[0.5] x < 0.1
 @pytest.fixture
 def always(monkeypatch):
     """Components are drawn apart even where that does not pay."""
-    monkeypatch.setattr(sampling, "worthwhile", lambda graph, whole, rejects: whole)
+    monkeypatch.setattr(block_rejection, "worthwhile", lambda graph, whole, rejects: whole)
 
 
 def factorised(scenario: Scenario) -> Batch:

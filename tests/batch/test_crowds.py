@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.evaluate.sampling import Batch
-from scenic_ref.inference.batch.trace.graph import Crowd
+from scenic_ref.inference.batch.block_rejection import Batch
+from scenic_ref.inference.batch.graph import Crowd
 from scenic_ref.scenario import Backend
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.scenes import neighbours
@@ -86,7 +86,7 @@ def test_compiled_scenes_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.extra("fast")
 @pytest.mark.parametrize("closed", [True, False])
 def test_compiled_a_crowd_meets_if_it_does_in_columns(closed: bool) -> None:
-    from scenic_ref.inference.batch.compile.crowds import row_meets
+    from scenic_ref.inference.batch.primitives.numba_kernels import row_meets
 
     told = [row_meets(row, closed) for row in map(crowd, range(200))]
     assert told == [crowds.row_meets(row.T, closed) for row in map(crowd, range(200))]

@@ -9,8 +9,8 @@ from collections import Counter
 
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.trace import running, structures
-from scenic_ref.inference.batch.trace.graph import RowCall
+from scenic_ref.inference.batch import symbolic, tracing
+from scenic_ref.inference.batch.graph import RowCall
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.semantics.space.symbols import NotLifted
@@ -141,7 +141,7 @@ def test_a_program_cannot_catch_what_rejects_a_run_or_ends_a_trace():
     assert drawn(text, "batch", 5) == drawn(text, "interpreter", 5)
 
 
-@pytest.mark.parametrize(("owner", "name"), [(running.Recorder, "call"), (running, "draw_symbol")])
+@pytest.mark.parametrize(("owner", "name"), [(tracing.Recorder, "call"), (tracing, "draw_symbol")])
 def test_an_interrupt_ends_a_trace_and_nothing_else(owner, name, monkeypatch):
     def interrupted(*ignored: object) -> None:
         raise KeyboardInterrupt
@@ -207,13 +207,13 @@ def test_a_call_is_made_once_for_what_was_drawn(monkeypatch: pytest.MonkeyPatch)
     batch = scenario.batch
     assert batch is not None, scenario.not_lifted
     looked = Counter[str]()
-    find = structures.symbols_in
+    find = symbolic.symbols_in
 
     def symbols_in(value: object) -> list[object]:
         looked["values"] += 1
         return find(value)  # type: ignore[return-value]
 
-    monkeypatch.setattr(structures, "symbols_in", symbols_in)
+    monkeypatch.setattr(symbolic, "symbols_in", symbols_in)
     found = [scene.to_line() for scene in scenario.sample_many(40, seed=3, backend="batch")]
     few = looked.total()
     assert len(list(scenario.sample_many(400, seed=3, backend="batch"))) == 400

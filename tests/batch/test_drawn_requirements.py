@@ -9,8 +9,8 @@ from collections import Counter
 
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.evaluate.columns import leavers
-from scenic_ref.inference.batch.evaluate.sampling import Batch
+from scenic_ref.inference.batch.block_rejection import Batch
+from scenic_ref.inference.batch.numpy_evaluator import leavers
 from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.semantics.scenes import default_requirements, neighbours
 from scenic_ref.semantics.space.symbols import Symbol

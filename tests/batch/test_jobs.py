@@ -21,9 +21,9 @@ from scenic_ref.data.table_files import SUFFIXES as ALL
 from scenic_ref.data.table_files import open_table
 from scenic_ref.data.typed_columns import JSON, TEXT, TypedColumn, in_first_order, valid_in
 from scenic_ref.inference.batch import Block
-from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order, uninterrupted
-from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
-from scenic_ref.inference.batch.jobs.tables import Tables
+from scenic_ref.inference.batch.jobs.block_tables import Tables
+from scenic_ref.inference.batch.jobs.scene_lines import PACE_KNOWN, Lines, lines_of
+from scenic_ref.inference.batch.jobs.worker_pools import Pace, block_of, in_order, uninterrupted
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
 SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s in (".parquet", ".arrow") else ()) for s in ALL]
@@ -215,7 +215,7 @@ def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
 
 DYING = """
 import os, signal, threading
-from scenic_ref.inference.batch.jobs.blocks import processes
+from scenic_ref.inference.batch.jobs.worker_pools import processes
 from scenic_ref.semantics.kernel.errors import InternalError
 
 def work(job):

@@ -16,7 +16,7 @@ EDGES = [0.0, -0.0, 5e-324, 1e-5, 1e-4, *ALIKE, 1e16, 1e17, 1e22, 2.0**53, 0.1 +
 
 def compiled(values: np.ndarray) -> list[str]:
     """The texts by compiled code."""
-    from scenic_ref.inference.batch.compile.texts import CompiledRows
+    from scenic_ref.inference.batch.numba_json import CompiledRows
 
     return b"".join(bytes(text) for text, _ in CompiledRows().joined([values, "\n"], len(values))).decode().splitlines()
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.inference.batch.evaluate.clipped import CurveTests
-from scenic_ref.inference.batch.evaluate.columns import ACCEPTED, LEFT, evaluate
-from scenic_ref.inference.batch.evaluate.numbers import Numbers
-from scenic_ref.inference.batch.evaluate.plan import plan, segments
-from scenic_ref.inference.batch.evaluate.polygons import FieldTests, PolygonTests
-from scenic_ref.inference.batch.trace.graph import GraphNode, Site, bounds_of, decided
-from scenic_ref.inference.batch.trace.recording import Recorder
-from scenic_ref.inference.batch.trace.running import trace
+from scenic_ref.inference.batch.evaluation_plan import plan, segments
+from scenic_ref.inference.batch.graph import GraphNode, Site, bounds_of, decided
+from scenic_ref.inference.batch.graph_builder import Recorder
+from scenic_ref.inference.batch.numpy_evaluator import ACCEPTED, LEFT, evaluate
+from scenic_ref.inference.batch.primitives.drawn_points import CurveTests
+from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
+from scenic_ref.inference.batch.primitives.random_numbers import Numbers
+from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream, philox
 from scenic_ref.semantics.kernel.budget import Budget
@@ -62,7 +62,7 @@ def test_columns_of_numbers_are_those_of_the_streams(seed, rows):
 @pytest.mark.parametrize("key", [(0, 0), (5, 2**64 - 1)])
 @pytest.mark.parametrize("counter", [(0, 0, 0), (2**64 - 1, 3, 1), (17, PER_SCENE, 4)])
 def test_compiled_numbers_are_those_of_the_streams(key, counter):
-    from scenic_ref.inference.batch.compile.kernels import philox as compiled
+    from scenic_ref.inference.batch.primitives.numba_kernels import philox as compiled
 
     words = philox(key, (*counter, 0))
     assert compiled(*map(np.uint64, (*key, *counter))) == tuple((word >> 11) * 2.0**-53 for word in words)

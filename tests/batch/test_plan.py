@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import scenic_ref
-from scenic_ref.inference.batch.evaluate.plan import LEAST_REJECTED, cone, cost, plan, roots_of, segments
-from scenic_ref.inference.batch.trace.graph import Graph
+from scenic_ref.inference.batch.evaluation_plan import LEAST_REJECTED, cone, cost, plan, roots_of, segments
+from scenic_ref.inference.batch.graph import Graph
 
 TEXT = """
 W = RectangularRegion((0, 0), 0, 30, 30)

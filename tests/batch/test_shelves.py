@@ -15,9 +15,9 @@ from scenic_ref.cli.options import Source
 from scenic_ref.cli.outputs import LinesFile
 from scenic_ref.cli.portions import Portion, portions
 from scenic_ref.cli.workers import Job
-from scenic_ref.inference.batch.jobs import shelves
-from scenic_ref.inference.batch.jobs.blocks import processes
-from scenic_ref.inference.batch.jobs.shelves import Shelf, lay
+from scenic_ref.inference.batch.jobs import memory_files
+from scenic_ref.inference.batch.jobs.memory_files import Shelf, lay
+from scenic_ref.inference.batch.jobs.worker_pools import processes
 from scenic_ref.interpreter.walls import WALL
 from scenic_ref.semantics.kernel.errors import UsageError
 
@@ -65,7 +65,7 @@ def test_the_lines_of_other_processes_are_the_same_however_they_are_sent(how, mo
     if how == "no such files":
         monkeypatch.setattr(Shelf, "lend", lambda _: None)
     elif how != "by files":
-        monkeypatch.setattr(Shelf, "lend", lambda _: f"{shelves.OPEN_FILES.format(os.getpid())}/987654")
+        monkeypatch.setattr(Shelf, "lend", lambda _: f"{memory_files.OPEN_FILES.format(os.getpid())}/987654")
     job = Job(source, 3, 2, 900, 1000)
     here = b"".join(bytes(text) for portion in portions(source, job, "lines", None) for text in portion.lines)
     several = list[bytes]()

@@ -40,7 +40,7 @@ def test_a_drawn_key_that_is_a_list_in_some_runs_is_an_error(backend: str) -> No
 @pytest.mark.extra("fast")
 def test_an_interrupt_waits_until_the_compiler_is_done() -> None:
     """What is raised where the compiler's library calls Python would be ignored there; afterwards it is heard."""
-    from scenic_ref.inference.batch.compile.evaluator import later_interrupts
+    from scenic_ref.inference.batch.numba_evaluator import later_interrupts
 
     done = []
     with pytest.raises(KeyboardInterrupt):

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 import scenic_ref
 from scenic_ref.cli.check_reports import shares
-from scenic_ref.inference.statistics.reading import read_samples
+from scenic_ref.inference.comparison.sample_files import read_samples
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.testing import assert_same_distribution
 
@@ -184,8 +184,8 @@ def test_the_command_has_the_defaults_of_the_functions():
     """They are written twice, so that `--help` need not load what they belong to."""
     from scenic_ref.cli import check, conformance, run
     from scenic_ref.conformance.implementation import SEED
+    from scenic_ref.inference.comparison import DEFAULT_ALPHA, DEFAULT_TV
     from scenic_ref.inference.enumeration import DEFAULT_RUNS
-    from scenic_ref.inference.statistics import DEFAULT_ALPHA, DEFAULT_TV
     from scenic_ref.testing import REFERENCE_SEED
 
     defaults = {name: p.default for f in (check.check, conformance.conformance, run.run) for name, p in inspect.signature(f).parameters.items()}

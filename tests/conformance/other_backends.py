@@ -18,7 +18,7 @@ from scenic_ref.conformance.ourselves import load, told
 from scenic_ref.conformance.recorded_world import RecordedWorld, World
 from scenic_ref.conformance.serving import serve
 from scenic_ref.data.simulation import to_json
-from scenic_ref.inference.batch.evaluate import sampling
+from scenic_ref.inference.batch import block_rejection
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.testing import same_distribution
@@ -46,7 +46,7 @@ class OtherBackends(Ourselves):
 
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
         """By the batch backend, where it can; as soon as many are asked for, some are compared."""
-        sampling.COMPILE_LEAST = -1e9 if crc32(task.program.encode()) % COMPILED == 0 else 1e9
+        block_rejection.COMPILE_LEAST = -1e9 if crc32(task.program.encode()) % COMPILED == 0 else 1e9
         with told():
             if self.last is None or self.last[0] != repr(task):
                 self.last = repr(task), load(task), False

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from scenic_ref.conformance import Ourselves
 from scenic_ref.conformance.implementation import Task
-from scenic_ref.inference.batch.evaluate import sampling
+from scenic_ref.inference.batch import block_rejection
 from scenic_ref.inference.enumeration import Enumeration
-from scenic_ref.inference.simulation import SampledRun
+from scenic_ref.inference.simulation_rejection import SampledRun
 from scenic_ref.scenario import Scenario
 
 from .other_backends import Differs, OtherBackends
@@ -21,7 +21,7 @@ TAKING = Task("behavior B():\n    while True:\n        take Uniform(1, 2, 3)\neg
 
 @pytest.fixture(autouse=True)
 def _compiled_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sampling, "COMPILE_LEAST", sampling.COMPILE_LEAST)
+    monkeypatch.setattr(block_rejection, "COMPILE_LEAST", block_rejection.COMPILE_LEAST)
 
 
 def drawn(count: int) -> list[object]:

@@ -8,7 +8,7 @@ import scenic_ref
 from scenic_ref.data.simulation import to_line
 from scenic_ref.scenario.simulating import SimulationBackend
 from scenic_ref.semantics.kernel.errors import ScenicError
-from scenic_ref.simulators.simulating import Failed
+from scenic_ref.simulators.loop import Failed
 
 STEPS, ATTEMPTS = 14, 60
 

@@ -14,11 +14,11 @@ from scenic_ref.conformance.loading import load_vectors
 from scenic_ref.conformance.ourselves import load
 from scenic_ref.conformance.programs.dynamic import dynamic_program
 from scenic_ref.conformance.programs.dynamic_mistakes import misbehaving
-from scenic_ref.inference import simulation
-from scenic_ref.inference.dynamics import courses, policy
-from scenic_ref.inference.dynamics.courses import Courses
-from scenic_ref.inference.dynamics.policy import CompiledPolicy
+from scenic_ref.inference import simulation_rejection
 from scenic_ref.semantics.kernel.errors import FuelExhausted, UsageError
+from scenic_ref.simulators.behaviors import generators, policy
+from scenic_ref.simulators.behaviors.generators import Courses
+from scenic_ref.simulators.behaviors.policy import CompiledPolicy
 
 from ..oracle.invention import invented
 from ..oracle.programs import text_of
@@ -123,7 +123,7 @@ def changed(function: Callable[..., object], old: str, new: str) -> Callable[...
     """A function of the compiled backend with another text."""
     text = textwrap.dedent(inspect.getsource(function))
     assert text.count(old) >= 1, old
-    scope: dict[str, object] = dict(vars(courses) if function.__module__ == courses.__name__ else vars(policy))
+    scope: dict[str, object] = dict(vars(generators) if function.__module__ == generators.__name__ else vars(policy))
     exec(text.replace(old, new), scope)
     return scope[function.__name__]  # type: ignore[return-value]
 
@@ -182,7 +182,7 @@ def test_a_wrong_policy_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch)
     """By a program by hand, or one of those at random."""
     method, old, new = WRONG[name]
     wrong = type("Wrong", (CompiledPolicy,), {method.__name__: changed(method, old, new)})
-    monkeypatch.setattr(simulation, "CompiledPolicy", wrong)
+    monkeypatch.setattr(simulation_rejection, "CompiledPolicy", wrong)
     tried = ((k, seed) for k in range(len(programs())) for seed in range(2))
     assert any(said(programs()[k], "compiled", seed, steps=20) != by_machine(k, seed) for k, seed in tried)
 
@@ -202,7 +202,7 @@ def test_a_coroutine_with_something_untranslated_is_left_alone() -> None:
 
 
 def test_endless_loops_and_recursion_are_the_machines_errors(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
+    monkeypatch.setattr(simulation_rejection, "DEFAULT_FUEL", 20_000)
     for text in (
         "behavior B:\n    while True:\n        pass\nego = Object with behavior B",
         "behavior B:\n    do B()\nego = Object with behavior B",
@@ -214,7 +214,7 @@ def test_endless_loops_and_recursion_are_the_machines_errors(monkeypatch: pytest
 
 
 def test_handlers_that_interrupt_each_other_without_end_are_the_machines_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
+    monkeypatch.setattr(simulation_rejection, "DEFAULT_FUEL", 20_000)
     text = """
 n = 0
 behavior B:

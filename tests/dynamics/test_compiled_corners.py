@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.inference import simulation
+from scenic_ref.inference import simulation_rejection
 
 from .compared import differences, said
 
@@ -191,7 +191,7 @@ def test_drawn_invariants_of_a_scenario_are_drawn_anew(retry: str) -> None:
     ],
 )
 def test_a_loop_that_goes_round_its_take_is_an_endless_one(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
+    monkeypatch.setattr(simulation_rejection, "DEFAULT_FUEL", 20_000)
     scenario = scenic_ref.loads(text, fuel=20_000)
     assert said(scenario, "compiled", 0, steps=3) == said(scenario, "interpreter", 0, steps=3)
     assert set(scenario.compiled.wholes) == {"a time step of very many turns"}
@@ -208,7 +208,7 @@ def test_fuel_is_that_of_a_time_step(fuel: int) -> None:
 
 def test_what_the_machine_does_for_compiled_code_has_half_of_the_fuel(monkeypatch: pytest.MonkeyPatch) -> None:
     """So that what it did not do for it fits into the rest."""
-    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 100)
+    monkeypatch.setattr(simulation_rejection, "DEFAULT_FUEL", 100)
     text = "behavior B:\n    for i in range(20):\n        x = [k for k in range(10)]\n    take len(x)\nego = Object with behavior B"
     verdicts = []
     for fuel in range(500, 40_500, 2_500):

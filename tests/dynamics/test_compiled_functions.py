@@ -11,13 +11,12 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.inference import simulation
-from scenic_ref.inference.dynamics import code, natives, statements
-from scenic_ref.inference.dynamics.calls import Calls
-from scenic_ref.inference.dynamics.equations import Equations
-from scenic_ref.inference.dynamics.policy import CompiledPolicy
+from scenic_ref.inference import simulation_rejection
 from scenic_ref.roads.network import Lane
 from scenic_ref.semantics.kernel.allowed import may_ask
+from scenic_ref.simulators.behaviors import compiled_library, host_calls, translate_statements
+from scenic_ref.simulators.behaviors.operations import Calls, Equations
+from scenic_ref.simulators.behaviors.policy import CompiledPolicy
 from scenic_ref.simulators.worlds.driving import default_network
 
 from .compared import differences, said
@@ -65,8 +64,8 @@ def test_many_programs_at_random(first: int) -> None:
 
 
 WRONG = {
-    "keywords are left out": (code.FunctionCode.bindings, "bound[name] = value", "pass"),
-    "defaults are the first of all": (code.FunctionCode.bindings, "function.defaults[name]", "next(iter(function.defaults.values()))"),
+    "keywords are left out": (compiled_library.FunctionCode.bindings, "bound[name] = value", "pass"),
+    "defaults are the first of all": (compiled_library.FunctionCode.bindings, "function.defaults[name]", "next(iter(function.defaults.values()))"),
     "a function is called in the scope of its caller": (Calls.applied, "Scope.of_call(function.scope", "Scope.of_call(scope"),
     "properties may draw": (Calls.property, "self.choose, self.price = refused, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))", "pass"),
     "any looks at all": (Calls.quantified, "try:\n        for", "try:\n        found = list(found)\n        for"),
@@ -101,9 +100,9 @@ def test_a_wrong_function_is_found_out(name: str, monkeypatch: pytest.MonkeyPatc
     function, old, new = WRONG[name]
     wrong = changed(function, old, new)
     if function.__name__ == "bindings":
-        monkeypatch.setattr(code.FunctionCode, "bindings", wrong)
+        monkeypatch.setattr(compiled_library.FunctionCode, "bindings", wrong)
     else:
-        monkeypatch.setattr(simulation, "CompiledPolicy", type("Wrong", (CompiledPolicy,), {function.__name__: wrong}))
+        monkeypatch.setattr(simulation_rejection, "CompiledPolicy", type("Wrong", (CompiledPolicy,), {function.__name__: wrong}))
     tried = ((program, seed) for seed in range(3) for program in FUNCTIONS if program != "recursion without end")
     assert any(said(scenic_ref.loads(FUNCTIONS[p]), "compiled", seed, steps=12) != by_machine(p, seed) for p, seed in tried)
 
@@ -116,13 +115,13 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_wrong_translation_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    code.function_code.cache_clear()
-    monkeypatch.setattr(statements.FunctionBody, "at_last", changed(statements.FunctionBody.at_last, *TEXTS[name]))
+    compiled_library.function_code.cache_clear()
+    monkeypatch.setattr(translate_statements.FunctionBody, "at_last", changed(translate_statements.FunctionBody.at_last, *TEXTS[name]))
     programs = [p for p in FUNCTIONS if "finally" in p]
     try:
         assert any(said(scenic_ref.loads(FUNCTIONS[p]), "compiled", s, steps=12) != by_machine(p, s) for p in programs for s in range(4))
     finally:
-        code.function_code.cache_clear()
+        compiled_library.function_code.cache_clear()
 
 
 # What is not compiled, limits, and what is compiled once
@@ -145,7 +144,7 @@ def test_deep_calls_are_the_machines(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("body", ["[x for x in range(10**7)]", "any(False for x in range(10**7))", "f(30)"])
 def test_what_takes_very_long_is_for_the_machine_to_say(body: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
+    monkeypatch.setattr(simulation_rejection, "DEFAULT_FUEL", 20_000)
     text = taking(f"g({body})", "def g(x):\n    return 1\ndef f(n):\n    return n if n < 2 else f(n - 1) + f(n - 2)")
     scenario = scenic_ref.loads(text, fuel=20_000)
     assert not list(differences(scenario, range(1), steps=2))
@@ -154,11 +153,11 @@ def test_what_takes_very_long_is_for_the_machine_to_say(body: str, monkeypatch: 
 
 def test_functions_of_world_models_are_compiled_once_for_a_process() -> None:
     text = "model scenic.domains.driving.model\nego = Car with behavior FollowLaneBehavior(5)\n"
-    code.function_code.cache_clear()
+    compiled_library.function_code.cache_clear()
     scenic_ref.loads(text).simulate("kinematic", 5)
-    made = code.function_code.cache_info().misses
+    made = compiled_library.function_code.cache_info().misses
     scenic_ref.loads(text).simulate("kinematic", 5)
-    assert code.function_code.cache_info().misses == made > 0
+    assert compiled_library.function_code.cache_info().misses == made > 0
 
 
 # Host code
@@ -175,8 +174,8 @@ def attributes() -> Iterator[tuple[object, str]]:
 def test_what_is_read_without_the_machine_is_what_it_reads() -> None:
     count = 0
     for subject, name in attributes():
-        found = natives.attribute(subject, name)
-        if found is natives.SLOWLY or callable(found):
+        found = host_calls.attribute(subject, name)
+        if found is host_calls.SLOWLY or callable(found):
             continue
         assert found is getattr(subject, name) or found == getattr(subject, name), name
         count += 1
@@ -186,8 +185,8 @@ def test_what_is_read_without_the_machine_is_what_it_reads() -> None:
 def test_what_is_no_matter_of_programs_is_not_read() -> None:
     lane = default_network().lanes[0]
     for name in ("network", "polygon", "left", "by_uid", "__dict__", "__class__", "scenic_names", "strips", "_tree", "near"):
-        assert natives.attribute(lane, name) is natives.SLOWLY or may_ask(lane, name), name
-        assert (Lane, name) not in natives.OPEN or may_ask(lane, name), name
+        assert host_calls.attribute(lane, name) is host_calls.SLOWLY or may_ask(lane, name), name
+        assert (Lane, name) not in host_calls.OPEN or may_ask(lane, name), name
 
 
 def test_a_driving_program_of_many_functions_runs_compiled_altogether() -> None:

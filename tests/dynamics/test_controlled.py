@@ -9,7 +9,7 @@ import scenic_ref
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.semantics.space.vectors import Vector
-from scenic_ref.simulators.simulating import Simulated, simulate_once
+from scenic_ref.simulators.loop import Simulated, simulate_once
 from scenic_ref.simulators.still import Still
 
 from .worlds import LIMIT, actions, behavior

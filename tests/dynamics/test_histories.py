@@ -12,11 +12,11 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
 from scenic_ref.data.simulation import to_json
-from scenic_ref.inference.histories import enumerate_simulations
-from scenic_ref.inference.simulation import sample_simulation
-from scenic_ref.inference.statistics.laws import DEFAULT_ALPHA, Categorical, evidence
+from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, evidence
+from scenic_ref.inference.enumeration import enumerate_simulations
+from scenic_ref.inference.simulation_rejection import sample_simulation
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
-from scenic_ref.simulators.simulating import Simulated
+from scenic_ref.simulators.loop import Simulated
 from scenic_ref.simulators.still import Still
 
 COUNT = int(os.environ.get("SCENIC_REF_PROGRAMS", "60"))

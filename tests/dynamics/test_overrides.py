@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.semantics.kernel.errors import ProgramError, RunError, SpecifiedTwice
-from scenic_ref.simulators.simulating import Simulated
+from scenic_ref.simulators.loop import Simulated
 
 from .worlds import actions, simulated
 

@@ -6,7 +6,7 @@ import pytest
 from scenic_ref.semantics.dynamics import policy
 from scenic_ref.semantics.kernel import budget
 from scenic_ref.semantics.kernel.errors import RunError, UncaughtException
-from scenic_ref.simulators.simulating import Failed, Simulated
+from scenic_ref.simulators.loop import Failed, Simulated
 
 from .worlds import LIMIT, actions, behavior, simulated
 

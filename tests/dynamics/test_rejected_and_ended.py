@@ -12,7 +12,7 @@ from scenic_ref.interpreter.streams import simulator_seed
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators import EndRun, RejectRun
-from scenic_ref.simulators.simulating import ENDED, LIMIT, TERMINATED
+from scenic_ref.simulators.loop import ENDED, LIMIT, TERMINATED
 from scenic_ref.simulators.still import Still
 
 ONE = "ego = Object at (Range(0, 1), 0)\n"

@@ -6,7 +6,7 @@ import scenic_ref
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.semantics.kernel.outcome import Outcome
 from scenic_ref.semantics.rules import RULES
-from scenic_ref.simulators.simulating import simulate_once
+from scenic_ref.simulators.loop import simulate_once
 from scenic_ref.simulators.still import Still
 
 PROGRAMS = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.semantics.kernel.errors import RunError, UncaughtException, UsageError
-from scenic_ref.simulators.simulating import Failed, Simulated
+from scenic_ref.simulators.loop import Failed, Simulated
 
 from .worlds import LIMIT, actions, simulated
 

@@ -9,7 +9,7 @@ import scenic_ref
 from scenic_ref.semantics.kernel.errors import RunError, SimulatorError, UncaughtException, UsageError
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.kinematic import Kinematic
-from scenic_ref.simulators.simulating import Failed, Simulated
+from scenic_ref.simulators.loop import Failed, Simulated
 
 from .worlds import LIMIT, actions, behavior, simulated
 

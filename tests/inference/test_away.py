@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenic_ref.inference.batch.evaluate.margins import PAIRS, points_away
-from scenic_ref.inference.batch.evaluate.polygons import tests_of as polygon_tests
+from scenic_ref.inference.batch.primitives.point_in_polygon import tests_of as polygon_tests
+from scenic_ref.inference.batch.violations import PAIRS, points_away
 from scenic_ref.roads import made_map
 
 

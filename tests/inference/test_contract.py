@@ -18,14 +18,14 @@ from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch import Batch
+from scenic_ref.inference.comparison import compare
+from scenic_ref.inference.comparison.exact_laws import Categorical, contradicts
 from scenic_ref.inference.enumeration import Enumeration, content_of_scene
-from scenic_ref.inference.inferred import LEVEL, Probability
+from scenic_ref.inference.moves.proposals import NAMES, Moves
+from scenic_ref.inference.moves.states import States
+from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.rejection import acceptance
-from scenic_ref.inference.sites.moves import NAMES, Moves
-from scenic_ref.inference.sites.states import States
-from scenic_ref.inference.sites.target import Target
-from scenic_ref.inference.statistics import compare
-from scenic_ref.inference.statistics.laws import Categorical, contradicts
+from scenic_ref.inference.result import LEVEL, Probability
 from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scipy import stats

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.inference.quantiles import radical_inverse
-from scenic_ref.inference.statistics import Categorical, contradicts
+from scenic_ref.inference.comparison import Categorical, contradicts
+from scenic_ref.inference.enumeration import radical_inverse
 from scenic_ref.semantics.kernel import errors
 
 F = Fraction

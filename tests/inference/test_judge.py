@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.statistics import compare
-from scenic_ref.inference.statistics.cells import Repeated
-from scenic_ref.inference.statistics.columns import Column, FeatureTable, features_table, stacked
-from scenic_ref.inference.statistics.names import SampleNames, matching
-from scenic_ref.inference.statistics.rounding import ROUNDINGS, Rounding
-from scenic_ref.inference.statistics.samples import Samples
+from scenic_ref.inference.comparison import compare
+from scenic_ref.inference.comparison.cells import Repeated
+from scenic_ref.inference.comparison.feature_names import SampleNames, matching
+from scenic_ref.inference.comparison.rounding import ROUNDINGS, Rounding
+from scenic_ref.inference.comparison.sample_files import Samples
+from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, features_table, stacked
 from scenic_ref.testing import same_distribution
 
 ROOT = Path(__file__).parents[2]
@@ -169,7 +169,7 @@ def test_margins_and_depths_are_what_they_say():
 
 def test_depths_in_regions_have_the_sign_of_containment():
     """The boundary of each region, by points on both sides: the sign is that of `contains_point`, and no point is nearer to a boundary."""
-    from scenic_ref.inference.batch.evaluate.boundaries import inside_by
+    from scenic_ref.inference.batch.suggested_features import inside_by
     from scenic_ref.semantics.space.regions import CircularRegion, PolygonalRegion, RectangularRegion, SectorRegion
     from scenic_ref.semantics.space.vectors import Vector
 

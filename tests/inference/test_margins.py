@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.sites.states import States
+from scenic_ref.inference.moves.states import States
 from scenic_ref.semantics.kernel.errors import UsageError
 
 if TYPE_CHECKING:
-    from scenic_ref.inference.batch.tensors.margins import Margins
+    from scenic_ref.inference.batch.torch_margins import Margins
 
 pytestmark = pytest.mark.extra("torch")
 GALLERY = Path(__file__).parent.parent.parent / "examples" / "gallery"
@@ -116,7 +116,7 @@ def test_gradients_of_the_gallery_are_those_of_differences(name: str) -> None:
 def test_wrong_margins_are_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rival of the tests above: the margin of `or` is that of its worst part."""
     import torch
-    from scenic_ref.inference.batch.tensors import margins as module
+    from scenic_ref.inference.batch import torch_margins as module
 
     margins = margins_of(NUMBERS)
     states = margins.target.simulate(2_000, np.random.default_rng(2))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.data.scene import Scene
+from scenic_ref.inference.comparison.exact_laws import Categorical, Continuous, contradicts
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
 from scenic_ref.semantics.kernel.errors import UsageError
 
 pytestmark = pytest.mark.extra("pyro")

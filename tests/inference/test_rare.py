@@ -11,13 +11,13 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.data.scene import Scene
-from scenic_ref.inference import diagnostics, mcmc, smc
+from scenic_ref.inference import chain_diagnostics, mcmc, smc
+from scenic_ref.inference.comparison.exact_laws import Categorical, Continuous, contradicts
 from scenic_ref.inference.importance import mean_weight
-from scenic_ref.inference.inferred import Inferred, Probability
-from scenic_ref.inference.sites import states
-from scenic_ref.inference.sites.moves import Moves
-from scenic_ref.inference.sites.target import Target
-from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
+from scenic_ref.inference.moves import states
+from scenic_ref.inference.moves.proposals import Moves
+from scenic_ref.inference.moves.target import Target
+from scenic_ref.inference.result import Inferred, Probability
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 
 BACKENDS = ("importance", "smc", "mcmc")
@@ -273,7 +273,7 @@ def test_that_nothing_can_be_found_is_said_with_what_stays_violated() -> None:
 
 def test_chains_that_do_not_agree_are_doubted() -> None:
     """Two islands, each of which the moves seldom leave: with few chains the estimate of their shares cannot be trusted."""
-    diagnosis = diagnostics.Diagnosis(1.3, 20.0, 10.0, 0)
+    diagnosis = chain_diagnostics.Diagnosis(1.3, 20.0, 10.0, 0)
     found = Inferred("mcmc", [], Probability(0.1, 0.0, 1.0, 0.999), 10, diagnosis, "the position of ego", 1.0)
     assert [doubt.split(":")[0] for doubt in found.doubts] == [
         "independent parts of the work disagree about the position of ego", "the draws are worth 20 independent ones for means, fewer than 50",

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import pytest
-from scenic_ref.inference.statistics import reading
-from scenic_ref.inference.statistics.reading import scenes_in
+from scenic_ref.inference.comparison import sample_files
+from scenic_ref.inference.comparison.sample_files import scenes_in
 from scenic_ref.semantics.kernel.errors import UsageError
 
 BOM = b"\xef\xbb\xbf"
@@ -24,9 +24,9 @@ ODD = [
 @pytest.fixture(params=["plain", pytest.param("quick", marks=pytest.mark.extra("fast"))])
 def decoder(request, monkeypatch):
     if request.param == "plain":
-        monkeypatch.setattr(reading, "quick_decoder", lambda: None)
+        monkeypatch.setattr(sample_files, "quick_decoder", lambda: None)
     else:
-        assert reading.quick_decoder() is not None
+        assert sample_files.quick_decoder() is not None
 
 
 def written(path: Path, content: bytes) -> Path:

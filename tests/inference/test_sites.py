@@ -11,13 +11,13 @@ import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.data.scene import scene_of
-from scenic_ref.inference.batch.evaluate.margins import points_away, polygon_margin
+from scenic_ref.inference.batch.violations import points_away, polygon_margin
+from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, Continuous, contradicts
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.inference.sites.moves import EXCHANGE, REDRAW, STEP, Moves, MovesMade
-from scenic_ref.inference.sites.states import States
-from scenic_ref.inference.sites.target import Target
+from scenic_ref.inference.moves.proposals import EXCHANGE, REDRAW, STEP, Moves, MovesMade
+from scenic_ref.inference.moves.states import States
+from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.smc import moves_of
-from scenic_ref.inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, contradicts
 from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scenic_ref.semantics.space.regions import PolygonalRegion

@@ -7,13 +7,21 @@ import math
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.statistics import BoundedMean, Categorical, Continuous, compare, compare_invariance, contradicts, evidence
-from scenic_ref.inference.statistics.betting import combined, one_sample_wealth, two_sample_wealth
-from scenic_ref.inference.statistics.cells import cells_of, opening_of
-from scenic_ref.inference.statistics.columns import Column, FeatureTable, unit_of
-from scenic_ref.inference.statistics.facts import Facts
-from scenic_ref.inference.statistics.power import Hardest, detectable, needed
-from scenic_ref.inference.statistics.relations import gap, table_of
+from scenic_ref.inference.comparison import (
+    BoundedMean,
+    Categorical,
+    Continuous,
+    compare,
+    compare_invariance,
+    contradicts,
+    evidence,
+)
+from scenic_ref.inference.comparison.betting import combined, one_sample_wealth, two_sample_wealth
+from scenic_ref.inference.comparison.cells import cells_of, opening_of
+from scenic_ref.inference.comparison.comparison import Hardest, detectable, needed
+from scenic_ref.inference.comparison.known_features import Facts
+from scenic_ref.inference.comparison.relations import gap, table_of
+from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, unit_of
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.space.regions.approximation import box_shape
 from scenic_ref.semantics.space.vectors import Vector

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.inference import mcmc
+from scenic_ref.inference.comparison.exact_laws import Continuous, contradicts
 from scenic_ref.inference.mcmc import Chains, tempered
-from scenic_ref.inference.sites.moves import Moves
-from scenic_ref.inference.sites.states import States
-from scenic_ref.inference.sites.target import Target
+from scenic_ref.inference.moves.proposals import Moves
+from scenic_ref.inference.moves.states import States
+from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.smc import split
-from scenic_ref.inference.statistics.laws import Continuous, contradicts
 
 HALVED = "x = Range(0, 1)\nego = Object at x @ 0\nrequire x < 0.5\n"
 LEVELS = (10.0, 0.25, 0.0)

@@ -13,9 +13,9 @@ import scenic_ref
 import shapely
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, Block
-from scenic_ref.inference.batch.evaluate.numbers import Numbers
-from scenic_ref.inference.batch.evaluate.polygons import FieldTests, PolygonTests
-from scenic_ref.inference.batch.trace.graph import Site
+from scenic_ref.inference.batch.graph import Site
+from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
+from scenic_ref.inference.batch.primitives.random_numbers import Numbers
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scenic_ref.semantics.space.numeric import arc_tangent, exponential, exponential_less_one, logarithm, logarithm_of_one_more
@@ -59,7 +59,7 @@ def by_numpy(scenario: Scenario) -> Batch:
 
 def agree(scenario: Scenario, count: int, *, draws_there: bool = False, attempts: int = 10_000) -> Block:
     """The block of torch, which is that of NumPy but for the rounding of numbers."""
-    from scenic_ref.inference.batch.tensors.arithmetic import ROUNDING
+    from scenic_ref.inference.batch.torch_lowering import ROUNDING
 
     one, other = by_numpy(scenario), by_torch(scenario)
     assert other.tensors is not None
@@ -154,14 +154,14 @@ def at_the_edge() -> Scenario:
 
 
 def test_what_rounding_might_decide_is_decided_by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
-    from scenic_ref.inference.batch.tensors import arithmetic
+    from scenic_ref.inference.batch import torch_lowering
 
     scenario = at_the_edge()
     one, other = by_numpy(scenario), by_torch(scenario)
     expected, found = one.block(5, 0, 4_000), other.block(5, 0, 4_000)
     assert found.attempts.tolist() == expected.attempts.tolist()
     assert found.doubtful >= 1
-    monkeypatch.setattr(arithmetic, "LIBRARY", 0.0)  # the rival: libraries are taken to agree
+    monkeypatch.setattr(torch_lowering, "LIBRARY", 0.0)  # the rival: libraries are taken to agree
     assert other.block(5, 0, 4_000).attempts.tolist() != expected.attempts.tolist()
 
 
@@ -204,7 +204,7 @@ OPERANDS: dict[object, Sequence[Drawn]] = {
 @pytest.mark.parametrize("function", OPERANDS, ids=lambda f: f.__name__)
 def test_a_result_is_as_near_to_numpys_as_it_says(function: Callable[..., np.ndarray], error: float) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.arithmetic import RULES, Doubts, Rounded
+    from scenic_ref.inference.batch.torch_lowering import RULES, Doubts, Rounded
 
     random = np.random.default_rng(7)
     exact = [draw(random, 20_000) for draw in OPERANDS[function]]
@@ -225,7 +225,7 @@ def test_a_result_is_as_near_to_numpys_as_it_says(function: Callable[..., np.nda
 
 
 def test_every_operation_on_numbers_is_looked_at() -> None:
-    from scenic_ref.inference.batch.tensors.arithmetic import NUMERIC
+    from scenic_ref.inference.batch.torch_lowering import NUMERIC
 
     assert set(NUMERIC) == set(OPERANDS)
 
@@ -233,7 +233,7 @@ def test_every_operation_on_numbers_is_looked_at() -> None:
 @pytest.mark.parametrize("function", [np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal], ids=lambda f: f.__name__)
 def test_a_comparison_is_doubtful_where_rounding_might_decide(function: np.ufunc) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.arithmetic import RULES, Doubts, Rounded
+    from scenic_ref.inference.batch.torch_lowering import RULES, Doubts, Rounded
 
     random, error = np.random.default_rng(3), 1e-9
     a = np.append(random.uniform(-1, 1, 5_000), [np.nan, np.inf])
@@ -250,7 +250,7 @@ def test_a_comparison_is_doubtful_where_rounding_might_decide(function: np.ufunc
 @pytest.mark.parametrize("function", [f for f, operands in OPERANDS.items() if f not in (np.add, np.subtract, np.multiply, np.negative, np.positive)])
 def test_libraries_differ_by_less_than_a_quarter_of_what_is_allowed(function: Callable[..., np.ndarray]) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.arithmetic import LIBRARY, RULES, Doubts, Rounded
+    from scenic_ref.inference.batch.torch_lowering import LIBRARY, RULES, Doubts, Rounded
 
     exact = [draw(np.random.default_rng(9), 50_000) for draw in OPERANDS[function]]
     doubts = Doubts(len(exact[0]), torch.device("cpu"))
@@ -271,7 +271,7 @@ TWO = shapely.MultiPolygon([RING, shapely.Polygon([(70, 0), (90, 0), (80, 30)])]
 @pytest.mark.parametrize("shape", [RING, TWO], ids=["ring", "two"])
 def test_points_and_boxes_in_polygons_are_those_of_the_columns_where_that_is_sure(shape: shapely.Polygon) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.polygons import TensorPolygon
+    from scenic_ref.inference.batch.primitives.torch_polygons import TensorPolygon
 
     random, count = np.random.default_rng(2), 6_000
     tests = PolygonTests(shape)
@@ -294,7 +294,7 @@ def test_points_and_boxes_in_polygons_are_those_of_the_columns_where_that_is_sur
 @pytest.mark.parametrize("slack", [0.0, 1e-9])
 def test_the_cells_of_fields_are_those_of_the_columns_where_that_is_sure(slack: float) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.polygons import TensorField
+    from scenic_ref.inference.batch.primitives.torch_polygons import TensorField
 
     random = np.random.default_rng(4)
     corners = random.uniform(0, 80, (60, 2))
@@ -316,7 +316,7 @@ def test_the_cells_of_fields_are_those_of_the_columns_where_that_is_sure(slack: 
 @pytest.mark.parametrize("per_scene", [False, True])
 def test_random_numbers_on_the_device_are_the_same_bits(seed: int, per_scene: bool) -> None:
     import torch
-    from scenic_ref.inference.batch.tensors.draws import DeviceNumbers
+    from scenic_ref.inference.batch.torch_evaluator import DeviceNumbers
 
     random = np.random.default_rng(1)
     scenes, attempts = (random.integers(0, 2**64, 500, dtype=np.uint64) for _ in range(2))

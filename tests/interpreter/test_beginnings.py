@@ -19,7 +19,7 @@ from scenic_ref.semantics.kernel import budget
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.errors import ScenicError
 from scenic_ref.simulators import by_name
-from scenic_ref.simulators.simulating import Simulated, simulate_once
+from scenic_ref.simulators.loop import Simulated, simulate_once
 
 CHANGES = {
     "list": ("L = [1]", "L.append(3)\nL[0] = 2", "L"),

@@ -9,7 +9,7 @@ from fractions import Fraction
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.kernel.outcome import Requirement
-from scenic_ref.simulators.simulating import Failed, Simulated
+from scenic_ref.simulators.loop import Failed, Simulated
 
 from .invention import STEPS
 from .policy import Policy, law_of

@@ -12,7 +12,7 @@ import pytest
 import scenic_ref
 from scenic_ref.semantics.dynamics import policy
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.simulators.simulating import Failed
+from scenic_ref.simulators.loop import Failed
 
 from .coq import Term, evaluated, needs_coq
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scenic_ref.inference.batch.evaluate.columns import evaluate
-from scenic_ref.inference.batch.evaluate.plan import plan
-from scenic_ref.inference.batch.trace.graph import GraphNode
-from scenic_ref.inference.pruning.recording import Address, Recorded
+from scenic_ref.inference.batch.evaluation_plan import plan
+from scenic_ref.inference.batch.graph import GraphNode
+from scenic_ref.inference.batch.numpy_evaluator import evaluate
 from scenic_ref.inference.pruning.report import Pruning
+from scenic_ref.inference.pruning.traced_points import Address, Recorded
 from shapely import intersects_xy
 
 BLOCK = 1 << 14

@@ -10,6 +10,10 @@ import pytest
 import shapely
 from scenic_ref.inference.pruning.algorithms import (
     Cell,
+    Shape,
+    common_part,
+    dilate,
+    erode,
     narrow,
     prune_by_containment,
     prune_by_heading,
@@ -18,8 +22,7 @@ from scenic_ref.inference.pruning.algorithms import (
     prune_by_width,
     width_across,
 )
-from scenic_ref.inference.pruning.intervals import Interval
-from scenic_ref.inference.pruning.shapes import Shape, common_part, dilate, erode
+from scenic_ref.inference.pruning.node_bounds import Interval
 from scenic_ref.semantics.space.geometry import normalise_heading
 from shapely.geometry import LineString, Point, Polygon
 

@@ -10,13 +10,12 @@ import pytest
 import scenic_ref
 from hypothesis import given
 from hypothesis import strategies as st
-from scenic_ref.inference.batch.evaluate.columns import evaluate
-from scenic_ref.inference.batch.evaluate.plan import plan
-from scenic_ref.inference.batch.trace.graph import GraphEvent, GraphNode
-from scenic_ref.inference.pruning.facts import limits, located, min_radius, truths
-from scenic_ref.inference.pruning.forms import Operand, Point, aligned, bounds, offset
-from scenic_ref.inference.pruning.intervals import ALL, TAU, Interval, angles_meet
-from scenic_ref.inference.pruning.recording import Recorded, record
+from scenic_ref.inference.batch.evaluation_plan import plan
+from scenic_ref.inference.batch.graph import GraphEvent, GraphNode
+from scenic_ref.inference.batch.numpy_evaluator import evaluate
+from scenic_ref.inference.pruning.accepted_facts import limits, located, min_radius, truths
+from scenic_ref.inference.pruning.node_bounds import ALL, TAU, Interval, Operand, Point, aligned, angles_meet, bounds, offset
+from scenic_ref.inference.pruning.traced_points import Recorded, record
 
 from .programs import EGO, MAP
 

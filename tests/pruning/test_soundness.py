@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.data.scene import Scene
-from scenic_ref.inference.batch.evaluate.sampling import Batch
-from scenic_ref.inference.pruning import Pruning, analysis, applicability, facts, prune, scene_facts
+from scenic_ref.inference.batch.block_rejection import Batch
+from scenic_ref.inference.pruning import Pruning, accepted_facts, analysis, prune
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.recording import Recorded, record
+from scenic_ref.inference.pruning.traced_points import Recorded, record
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.choosers import from_stream, from_trace
 from scenic_ref.interpreter.running import Accepted, run
@@ -96,34 +96,34 @@ def test_these_programs_are_pruned_rightly(program):
 
 def test_an_erosion_by_the_larger_side_or_the_diagonal_is_caught(monkeypatch):
     for wrong in (lambda a, b: max(a, b) / 2, lambda a, b: np.hypot(a, b) / 2):
-        monkeypatch.setattr(scene_facts, "min_radius", wrong)
+        monkeypatch.setattr(accepted_facts, "min_radius", wrong)
         assert is_caught(WIDE)
 
 
 def test_a_soft_requirement_taken_for_a_hard_one_is_caught(monkeypatch):
-    monkeypatch.setattr(analysis, "truths", lambda graph: (t for soft in (False, True) for t in facts.truths(graph, soft=soft)))
+    monkeypatch.setattr(analysis, "truths", lambda graph: (t for soft in (False, True) for t in accepted_facts.truths(graph, soft=soft)))
     assert is_caught(SOFT)
 
 
 def test_mutation_that_is_ignored_is_caught(monkeypatch):
     recorded = record(scenic_ref.loads(MUTATED).start, FUEL)
     (first, *_) = recorded.points.values()
-    right = scene_facts.position_of
-    monkeypatch.setattr(scene_facts, "position_of", lambda s, o: first.point if s.names.get(o.number) == "ego" else right(s, o))
+    right = accepted_facts.position_of
+    monkeypatch.setattr(accepted_facts, "position_of", lambda s, o: first.point if s.names.get(o.number) == "ego" else right(s, o))
     assert lost(prune_recorded(recorded), accepted_points(recorded, RUNS)) > 0
 
 
 def test_a_deviation_that_is_ignored_is_caught(monkeypatch):
     course = SOME_COURSE + NEAR.replace("9", "30") + OPPOSITE.replace("2.8", "2.95")
     assert not is_caught(course)
-    right = applicability.prune_by_heading
-    monkeypatch.setattr(applicability, "prune_by_heading", lambda cells, a, m, d, turn: right(cells, a, m, 0.0, turn))
+    right = analysis.prune_by_heading
+    monkeypatch.setattr(analysis, "prune_by_heading", lambda cells, a, m, d, turn: right(cells, a, m, 0.0, turn))
     assert is_caught(course)
 
 
 def test_an_erosion_by_ten_centimetres_more_is_caught(monkeypatch):
-    right = applicability.prune_by_containment
-    monkeypatch.setattr(applicability, "prune_by_containment", lambda r, c, m: right(r, c, m + 0.1))
+    right = analysis.prune_by_containment
+    monkeypatch.setattr(analysis, "prune_by_containment", lambda r, c, m: right(r, c, m + 0.1))
     assert is_caught(WIDE)
 
 

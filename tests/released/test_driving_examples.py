@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 import scenic_ref
-from scenic_ref.inference.statistics.laws import DEFAULT_ALPHA
+from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA
 from scenic_ref.interpreter.converting import convert
 from scenic_ref.interpreter.modules import library_of
 from scenic_ref.interpreter.parser import parse

@@ -33,7 +33,7 @@ from scenic_ref.data.typed_columns import (
     nothing,
     vector,
 )
-from scenic_ref.inference.batch.jobs.tables import Tables
+from scenic_ref.inference.batch.jobs.block_tables import Tables
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
 data = pytest.mark.extra("data")

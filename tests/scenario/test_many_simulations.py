@@ -9,7 +9,7 @@ import scenic_ref
 from scenic_ref.cli import answer
 from scenic_ref.data.simulation import to_line
 from scenic_ref.errors import AttemptsExhausted, UncaughtException, UsageError
-from scenic_ref.inference import simulation
+from scenic_ref.inference import simulation_rejection
 from scenic_ref.simulators import by_name
 
 PROGRAM = """from scenic.domains.driving.actions import *
@@ -102,7 +102,7 @@ require x < 0.002
 @pytest.mark.parametrize("reading", ["discard", "retry"])
 def test_scenes_of_simulations_that_columns_find_are_those_of_the_machine(reading: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def runs(patience: int) -> list[tuple[object, ...]]:
-        monkeypatch.setattr(simulation, "PATIENCE", patience)
+        monkeypatch.setattr(simulation_rejection, "PATIENCE", patience)
         scenario = scenic_ref.loads(SELDOM, readings={"rejected-simulation": reading})
         told: list[int] = []
         found = [scenario.simulate("still", 2, 3, index, on_attempt=told.append) for index in range(3)]
@@ -115,7 +115,7 @@ def test_scenes_of_simulations_that_columns_find_are_those_of_the_machine(readin
 
 def test_a_simulation_without_a_scene_is_given_up_after_as_many_attempts(monkeypatch: pytest.MonkeyPatch) -> None:
     def error(patience: int) -> tuple[object, ...]:
-        monkeypatch.setattr(simulation, "PATIENCE", patience)
+        monkeypatch.setattr(simulation_rejection, "PATIENCE", patience)
         with pytest.raises(AttemptsExhausted) as found:
             scenic_ref.loads(SELDOM.replace("0.002", "0.0000001")).simulate("still", 2, 3, max_attempts=700)
         return found.value.message, found.value.attempts, found.value.stuck

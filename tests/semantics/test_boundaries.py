@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 import scenic_ref
 from scenic_ref.inference.batch import Batch
-from scenic_ref.inference.pruning.shapes import ROUNDING
+from scenic_ref.inference.pruning.algorithms import ROUNDING
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.boundaries import METRES, RADIANS

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scenic_ref import loads
-from scenic_ref.inference.statistics import Continuous, contradicts
+from scenic_ref.inference.comparison import Continuous, contradicts
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import run
 from scenic_ref.interpreter.streams import Stream

@@ -10,7 +10,7 @@ from itertools import combinations
 import pytest
 import scenic_ref
 from scenic_ref.data.scene import Scene
-from scenic_ref.inference.statistics import Categorical, contradicts
+from scenic_ref.inference.comparison import Categorical, contradicts
 from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.semantics.readings import READINGS

@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable, Mapping
 from typing import TypeVar
 
 import pytest
-from scenic_ref.inference.statistics import Categorical, contradicts
+from scenic_ref.inference.comparison import Categorical, contradicts
 from scenic_ref.interpreter.streams import Stream
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.regions import (

@@ -15,7 +15,7 @@ from scenic_ref.semantics.kernel.errors import FuelExhausted, ProgramError, RunE
 from scenic_ref.semantics.kernel.outcome import Outcome
 from scenic_ref.semantics.space.regions import everywhere
 from scenic_ref.semantics.step import step
-from scenic_ref.simulators.simulating import simulate_once
+from scenic_ref.simulators.loop import simulate_once
 from scenic_ref.simulators.still import Still
 
 EGO = "ego = Object at (0, 0)\n"

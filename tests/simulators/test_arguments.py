@@ -15,8 +15,8 @@ from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.syntax.dynamics import BehaviorDefinition, ScenarioDefinition
 from scenic_ref.semantics.syntax.statements import FunctionDefinition
 from scenic_ref.simulators import actions as a
-from scenic_ref.simulators import arguments as basic
-from scenic_ref.simulators.arguments import Wanted
+from scenic_ref.simulators import actions as basic
+from scenic_ref.simulators.actions import Wanted
 from scenic_ref.simulators.worlds.driving import arguments as ours
 from scenic_ref.simulators.worlds.driving import text
 from scenic_ref.simulators.worlds.driving.arguments import WANTED

@@ -9,7 +9,7 @@ from ....semantics.kernel.kinds import is_object
 from ....semantics.kernel.values import Dynamic, Instance
 from ....semantics.space.regions import PolylineRegion, Region
 from ....semantics.space.vectors import Vector
-from ...arguments import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check, is_number, is_vector
+from ...actions import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check, is_number, is_vector
 
 
 def is_way(value: object) -> bool:

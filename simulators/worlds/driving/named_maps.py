@@ -15,7 +15,7 @@ from ....semantics.python.specials import WITHOUT_EFFECT
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name, UnaryOperation
-from ...arguments import shown
+from ...actions import shown
 
 LARGEST_TOLERANCE = 10.0
 """Metres by which a point may miss an element at most."""

@@ -1,1 +1,0 @@
-"""The graph as a function that numba compiles."""

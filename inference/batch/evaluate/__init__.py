@@ -1,1 +1,0 @@
-"""The graph evaluated on columns: many scenes at a time."""

@@ -1,0 +1,308 @@
+"""Columns as text: the lines of the scenes of a block, without making the scenes one by one.
+
+What comes out is what `Scene.to_line` gives for these scenes, byte for byte.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from itertools import chain, groupby, repeat
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ....data.json_numbers import number_texts
+from ....data.scene import OWN_FIELDS, Scene, in_json, json_value, object_entry, scene_entry
+from ....semantics.kernel.values import Random
+from ....semantics.space.geometry import normalise_heading
+from ....semantics.space.vectors import Vector
+from ..block_rejection import Block
+from ..row_calls import Columns
+from ..scene_template import ObjectTemplate, Template, listed
+from ..symbolic import Choice, Opaque, Traced, symbols_in
+
+if TYPE_CHECKING:
+    from ..numba_json import CompiledRows
+
+
+class Picked(NamedTuple):
+    """In each row one of some texts, by its number."""
+
+    texts: Sequence[str]
+    numbers: np.ndarray
+
+
+Cells = str | list[str] | Picked | np.ndarray
+"""A piece: the same in all rows, or one for each, or the texts of a column of finite floats or of whole numbers."""
+
+
+def merged(pieces: Sequence[Cells]) -> list[Cells]:
+    """The pieces, those that all rows share in one where they follow each other."""
+    found: list[Cells] = []
+    for shared, group in groupby(pieces, lambda piece: isinstance(piece, str)):
+        several = list(group)
+        found += ["".join(several)] if shared else several  # type: ignore[arg-type]
+    return found
+
+
+def texts_of(piece: Cells) -> str | list[str]:
+    """A piece as texts."""
+    match piece:
+        case Picked(texts=texts, numbers=numbers):
+            return list(map(texts.__getitem__, numbers.tolist()))
+        case np.ndarray():
+            return number_texts(piece) if piece.dtype.kind == "f" else list(map(str, piece.tolist()))
+        case str() | list():
+            return piece
+
+
+def joined(pieces: Sequence[Cells], count: int) -> list[str]:
+    """The rows, `count` of them."""
+    parts = [texts_of(piece) for piece in pieces]
+    if all(isinstance(part, str) for part in parts):
+        return ["".join(parts)] * count  # type: ignore[arg-type]
+    return list(map("".join, zip(*(repeat(part, count) if isinstance(part, str) else part for part in parts), strict=True)))
+
+
+Numbers = np.ndarray | list[object]
+"""A number for each row: floats, or what the program made of them."""
+TRUTHS = ("false", "true")
+COMPILE, PACE_KNOWN = 2.0, 0.1
+"""Seconds of a processor that compiling takes, by and large, and after which the pace is known."""
+
+
+class Written(NamedTuple):
+    """A value in JSON, in pieces of text."""
+
+    pieces: Sequence[Cells]
+
+
+# Lines
+
+
+class Lines:
+    """What makes the lines of a program's scenes, block by block.
+
+    Once that has taken as long as compiling is expected to take, or will by what is known of its pace, compiled code does the rest.
+    """
+
+    def __init__(self, template: Template) -> None:
+        self.template = template
+        self.rows: CompiledRows | None = None
+        self.may_compile = True
+        self.spent, self.pace = 0.0, 0.0  # seconds of a processor, and for a scene of the last block
+
+    def of(self, block: Block, seed: int, ahead: int = 0) -> Iterator[bytes | memoryview]:
+        """The lines of a block, in order, with their ends, some at a time (good until the next are asked for).
+
+        About `ahead` more scenes will be asked for.
+        """
+        if self.may_compile and self.spent > PACE_KNOWN and self.spent + self.pace * ahead > COMPILE:
+            self.compile()
+        begun = time.thread_time()
+        if self.rows is not None:
+            yield from lines_by(self.rows, self.template, block, seed)
+            return
+        found = lines_of(self.template, block, seed)
+        took = time.thread_time() - begun
+        self.spent, self.pace = self.spent + took, took / max(len(block.attempts), 1)
+        yield found
+
+    def compile(self) -> bool:
+        """Use compiled code from now on, if there is a compiler. Takes seconds."""
+        self.may_compile = False
+        try:
+            from ..numba_json import CompiledRows
+        except ImportError:
+            return False
+        self.rows = CompiledRows()
+        return True
+
+
+def lines_of(template: Template, block: Block, seed: int) -> bytes:
+    """The line of each scene of a block, in order, with their ends."""
+    made, others = iter(joined(merged(pieces_of(template, block, seed)), len(block.rows))), block.others
+    indices = range(block.start, block.start + len(block.attempts))
+    return "".join([line_of(others[k]) if k in others else next(made) for k in indices] if others else made).encode()
+
+
+def lines_by(rows: CompiledRows, template: Template, block: Block, seed: int) -> Iterator[bytes | memoryview]:
+    """The same by compiled code, some at a time, which are good until the next are asked for."""
+    others, done = sorted(block.others), 0
+    for text, ends in rows.joined(merged(pieces_of(template, block, seed)), len(block.rows)):
+        start, indices = 0, block.rows[done : done + len(ends)]
+        while others and others[0] < indices[-1]:
+            before = int(np.searchsorted(indices, others[0]))
+            end = int(ends[before - 1]) if before else 0
+            yield text[start:end]
+            yield line_of(block.others[others.pop(0)]).encode()
+            start = end
+        yield text[start:]
+        done += len(ends)
+    yield from (line_of(block.others[index]).encode() for index in others)
+
+
+def line_of(scene: Scene) -> str:
+    """The line of a scene, with its end."""
+    return f"{scene.to_line()}\n"
+
+
+def pieces_of(template: Template, block: Block, seed: int) -> Sequence[Cells]:
+    """The lines of the scenes in the columns of a block, with their ends, in pieces."""
+    columns, count = block.columns, len(block.rows)
+    params = Written(mapping(template.params, columns, count))
+    objects = [_object(number, o, columns, count) for number, o in enumerate(template.objects)]
+    index, attempts = Written([block.rows]), Written([attempts_of(block)])
+    return [*written(scene_entry(seed, index, attempts, 1.0, params, template.ego_id, objects, pruned=template.pruned)), "\n"]
+
+
+def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> dict[str, object]:
+    """The entry of an object."""
+    position, heading, width, length = (o.properties[name] for name in OWN_FIELDS)
+    if isinstance(position, Vector):
+        place = [number_cells(part, columns, count, as_given) for part in (position.x, position.y)]
+    else:
+        place = [finite(values) for values in coordinates(position, columns, count)]
+    sizes = [number_cells(value, columns, count, made) for value, made in ((heading, turned), (width, floats_of), (length, floats_of))]
+    x, y, heading, width, length = (Written([cells]) for cells in (*place, *sizes))
+    return object_entry(number, o.name, o.class_name, x, y, heading, width, length, Written(mapping(others(o), columns, count)))
+
+
+def number_cells(value: object, columns: Columns, count: int, made: Callable[[Numbers], Numbers]) -> Cells:
+    """The JSON text of a number of an object's own, as it is `made` from what the program gave."""
+    if not symbols_in(value):
+        return text(listed_numbers(made([value]))[0])
+    if isinstance(value, Choice) and not symbols_in(value.values):
+        few, numbers = listed_numbers(made(list(value.values))), columns[value.node.number]
+        if np.isfinite(floats_of(few)).all():
+            return Picked([text(number) for number in few], numbers)
+        return finite([few[k] for k in numbers.tolist()])
+    return finite(made(exact(value, columns, count)))
+
+
+def listed_numbers(values: Numbers) -> list[object]:
+    """Numbers as Python has them."""
+    return values.tolist() if isinstance(values, np.ndarray) else values
+
+
+def as_given(values: Numbers) -> Numbers:
+    """Numbers as the program gave them."""
+    return values
+
+
+def floats_of(values: Numbers) -> np.ndarray:
+    """Numbers as floats."""
+    return np.array(values, dtype=float)
+
+
+def turned(values: Numbers) -> np.ndarray:
+    """Headings in (-π, π]."""
+    return normalise_heading(floats_of(values))  # type: ignore[arg-type, return-value]
+
+
+def own_fields(o: ObjectTemplate, columns: Columns, count: int) -> tuple[Numbers, Numbers, Numbers, Numbers, Numbers]:
+    """Position (of the type that the program gave it), heading in (-π, π], width and length, in metres and radians, each (count,)."""
+    position, heading, width, length = (o.properties[name] for name in OWN_FIELDS)
+    x, y = coordinates(position, columns, count)
+    return x, y, turned(floats(heading, columns, count)), floats(width, columns, count), floats(length, columns, count)
+
+
+def coordinates(position: object, columns: Columns, count: int) -> tuple[Numbers, Numbers]:
+    """The two parts of a position, of the type that the program gave them."""
+    if isinstance(position, Vector):
+        return exact(position.x, columns, count), exact(position.y, columns, count)
+    pairs = listed(position, columns, count)
+    return [p.x for p in pairs], [p.y for p in pairs]  # type: ignore[attr-defined]
+
+
+def exact(value: object, columns: Columns, count: int) -> Numbers:
+    """A number as a column of floats where it is one, else as a list of what it is."""
+    column = columns[value.node.number] if isinstance(value, Traced) and not isinstance(value, (Choice, Opaque)) else None
+    return column if column is not None and column.dtype == float else listed(value, columns, count)
+
+
+def floats(value: object, columns: Columns, count: int) -> np.ndarray:
+    """A number as a column of floats."""
+    if isinstance(value, Choice) and not symbols_in(value.values):
+        return floats_of(list(value.values))[columns[value.node.number]]
+    return floats_of(exact(value, columns, count)) if symbols_in(value) else np.full(count, float(value))  # type: ignore[arg-type]
+
+
+def others(o: ObjectTemplate) -> dict[str, object]:
+    """The properties that have no field of their own."""
+    return {name: value for name, value in o.properties.items() if name not in OWN_FIELDS}
+
+
+def attempts_of(block: Block) -> np.ndarray:
+    """How many attempts the scenes in the columns needed."""
+    return block.attempts[block.rows - block.start] + 1
+
+
+# JSON
+
+
+def text(value: object) -> str:
+    """The JSON text of a value in the scene format. Raises `ValueError` for numbers that JSON does not have."""
+    return in_json(value)
+
+
+def finite(values: Numbers) -> Cells:
+    """The JSON text of numbers. Raises `ValueError` for those that JSON does not have."""
+    if isinstance(values, np.ndarray) and np.isfinite(values).all():
+        return values
+    return list(map(text, listed_numbers(values)))
+
+
+def written(value: object) -> Sequence[Cells]:
+    """A value in JSON, parts of which are written already, in pieces."""
+    match value:
+        case Written(pieces=pieces):
+            return pieces
+        case dict():
+            inner = [(f"{', ' if number else ''}{text(name)}: ", *written(part)) for number, (name, part) in enumerate(value.items())]
+            return ["{", *chain.from_iterable(inner), "}"]
+        case list():
+            return ["[", *chain.from_iterable((", " if number else "", *written(part)) for number, part in enumerate(value)), "]"]
+        case _:
+            return [text(value)]
+
+
+def mapping(values: dict[str, object], columns: Columns, count: int) -> Sequence[Cells]:
+    """An object of JSON, in pieces."""
+    return written({name: Written(cells(value, columns, count)) for name, value in values.items()})
+
+
+def sequence(values: Sequence[object], columns: Columns, count: int) -> Sequence[Cells]:
+    """An array of JSON, in pieces."""
+    return written([Written(cells(value, columns, count)) for value in values])
+
+
+def cells(value: object, columns: Columns, count: int) -> Sequence[Cells]:
+    """The JSON text of `json_value(value)` in each row, in pieces."""
+    match value:
+        case _ if not symbols_in(value):
+            return [text(json_value(value))]
+        case Choice() if not symbols_in(value.values):
+            return [Picked([text(json_value(v)) for v in value.values], columns[value.node.number])]
+        case Traced() if not isinstance(value, (Choice, Opaque)):
+            return [numbers(columns[value.node.number])]
+        case Random():
+            return cells(value.value, columns, count)
+        case Vector():
+            return sequence([value.x, value.y], columns, count)
+        case list() | tuple() if type(value) in (list, tuple):
+            return sequence(value, columns, count)
+        case dict() if type(value) is dict and all(type(key) is str for key in value):
+            return mapping(value, columns, count)
+    return [[text(json_value(v)) for v in listed(value, columns, count)]]
+
+
+def numbers(column: np.ndarray) -> Cells:
+    """Numbers and truth values as JSON."""
+    if column.dtype == bool:
+        return Picked(TRUTHS, column.astype(np.int64))
+    if column.dtype.kind in "iu" or (column.dtype.kind == "f" and np.isfinite(column).all()):
+        return column
+    return [text(json_value(v)) for v in column.tolist()]
+

@@ -1,0 +1,1 @@
+"""One primitive, all its forms: for columns (NumPy), for one run after the other (numba), and for tensors (torch)."""

@@ -1,1 +1,0 @@
-"""One run of a program on symbols, kept as a graph of operations."""
