@@ -19,9 +19,9 @@ from pathlib import Path
 
 from .data.scene import Scene as OurScene
 from .data.scene import SceneObject
-from .interpreter.dialects import MARK
-from .interpreter.modules import read_text
-from .interpreter.parser import parse
+from .interpreter.language.dialects import MARK
+from .interpreter.language.modules import read_text
+from .interpreter.language.parser import parse
 from .scenario import Scenario as OurScenario
 from .scenario import loads
 from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..interpreter.extras import is_installed
+from ..interpreter.runtime.optional_packages import is_installed
 from ..semantics.kernel.errors import UsageError
 from .contenders import Contender, MeasuredProgram, Ours, OursOverTime, Released, released
 from .end_to_end import FORMATS, NEED_ARROW, RunToFile

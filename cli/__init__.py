@@ -10,7 +10,7 @@ import sys
 import warnings
 from itertools import pairwise
 
-from ..interpreter.supervisor import supervise
+from ..interpreter.runtime.supervisor import supervise
 
 INTERRUPTED = 130
 
@@ -61,7 +61,7 @@ def main() -> None:
 
 def open_wall() -> None:
     """Lift the limits of the program that was run, before the next one in this process."""
-    walls = sys.modules.get(f"{__package__}.interpreter.walls".replace(".cli.", "."))
+    walls = sys.modules.get(f"{__package__}.interpreter.runtime.process_sandbox".replace(".cli.", "."))
     if walls is not None:
         walls.WALL.open()
 

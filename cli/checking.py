@@ -15,7 +15,7 @@ from .progress import running_once
 from .session import coloured
 
 if TYPE_CHECKING:
-    from ..interpreter.warnings import ProgramWarning
+    from ..interpreter.language.lint import ProgramWarning
     from .options import Source
     from .session import Session
 

@@ -23,7 +23,7 @@ def one_of(*known: str) -> Completion:
 
 def dialects() -> Iterable[str]:
     """The dialects of programs."""
-    from ..interpreter.dialects import DIALECTS
+    from ..interpreter.language.dialects import DIALECTS
 
     return DIALECTS
 

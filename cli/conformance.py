@@ -118,7 +118,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 def check_dialect(dialect: str | None) -> None:
     """Raise `UsageError` for an unknown dialect."""
-    from ..interpreter.dialects import choose
+    from ..interpreter.language.dialects import choose
 
     choose("", dialect)
 

@@ -30,10 +30,10 @@ def convert(
     """
     from pathlib import Path
 
-    from ..interpreter.converting import convert as converted
-    from ..interpreter.dialects import choose
-    from ..interpreter.modules import library_of, read_text
-    from ..interpreter.parser import parse
+    from ..interpreter.language.conversion import convert as converted
+    from ..interpreter.language.dialects import choose
+    from ..interpreter.language.modules import library_of, read_text
+    from ..interpreter.language.parser import parse
     from ..simulators.worlds import WORLDS
     from .files import check_place, write
 

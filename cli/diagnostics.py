@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from .. import __version__
 from ..data.scene import in_json, in_utf8
-from ..interpreter.warnings import KINDS
+from ..interpreter.language.lint import KINDS
 from ..scenario.diagnosing import Diagnostic, record
 from .session import escaped
 

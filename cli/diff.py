@@ -147,10 +147,10 @@ def program_of(source: Source, other: External) -> AskedProgram | str:
     """The program as both sides read it; or why it cannot be said there. A program with an error of syntax is given as it stands."""
     from ..conformance.implementation import Task
     from ..conformance.looking import AskedProgram
-    from ..interpreter.converting import convert
-    from ..interpreter.dialects import DIALECTS, choose
-    from ..interpreter.modules import library_of
-    from ..interpreter.parser import parse
+    from ..interpreter.language.conversion import convert
+    from ..interpreter.language.dialects import DIALECTS, choose
+    from ..interpreter.language.modules import library_of
+    from ..interpreter.language.parser import parse
     from ..semantics.kernel.errors import ProgramError
     from ..semantics.readings import select
     from ..semantics.syntax import Program

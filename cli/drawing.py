@@ -11,8 +11,8 @@ from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..data.scene import Scene, scene_of
-from ..interpreter.dialects import DEFAULT, DIALECTS
-from ..interpreter.running import Accepted, Witness
+from ..interpreter.language.dialects import DEFAULT, DIALECTS
+from ..interpreter.runtime.program_run import Accepted, Witness
 from ..scenario.noticing import warnings_about
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value

@@ -15,7 +15,7 @@ from ..semantics.kernel.memory import is_out_of_memory
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
-    from ..interpreter.warnings import ProgramWarning
+    from ..interpreter.language.lint import ProgramWarning
     from ..semantics.syntax.nodes import Span
     from .session import Session
 

@@ -28,7 +28,7 @@ def lsp(
     Diagnostics while one types, what a word means, completion, go to definition, the outline. Programs are run once, in a process of their own
     with the limits of `check`, and never trusted. It needs the extra `lsp`.
     """
-    from ..interpreter.extras import needed
+    from ..interpreter.runtime.optional_packages import needed
     from ..semantics.kernel.errors import UsageError
     from .options import seconds_of
 

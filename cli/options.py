@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
+from ..interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
 from .completing import alternatives, dialects, models, profiles, words
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class Source:
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
         from ..inference.batch.torch_devices import check_device
-        from ..interpreter.walls import WALL
+        from ..interpreter.runtime.process_sandbox import WALL
         from ..scenario.loading import scenario_of
 
         if self.device is not None:
@@ -116,7 +116,7 @@ def read_source(
     fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None, device: str | None = None, map: str | None = None,
 ) -> Source:
     """The program in `file` under the given options; `map` is the global parameter of that name. Raises `UsageError`."""
-    from ..interpreter.modules import read_text
+    from ..interpreter.language.modules import read_text
 
     session.program = file
     text = read_text(Path(file))

@@ -13,8 +13,8 @@ from ..data.scene import in_json
 from ..data.simulation import Simulated
 from ..inference.rejection import sample
 from ..inference.simulation_rejection import NextScene, attempts_at
-from ..interpreter.choosers import from_stream
-from ..interpreter.tracing import Event, Trace, finite
+from ..interpreter.runtime.answerers import from_stream
+from ..interpreter.runtime.trace import Event, Trace, finite
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES

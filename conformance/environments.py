@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..interpreter.caches import cache_place
+from ..interpreter.runtime.cache_folders import cache_place
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import select
 from .external import ANSWER_SECONDS, External

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from ..interpreter.modules import read_text
+from ..interpreter.language.modules import read_text
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from .fields import VectorFields

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from ..interpreter.dialects import DIALECTS
+from ..interpreter.language.dialects import DIALECTS
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from ..semantics.rules import RULES

@@ -12,10 +12,10 @@ from typing import Literal
 from .. import __version__
 from ..data.simulation import Simulated, to_json
 from ..inference.rejection import counting
-from ..interpreter.choosers import from_stream
-from ..interpreter.dialects import DIALECTS
-from ..interpreter.running import DEFAULT_FUEL, run
-from ..interpreter.tracing import Trace
+from ..interpreter.language.dialects import DIALECTS
+from ..interpreter.runtime.answerers import from_stream
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, run
+from ..interpreter.runtime.trace import Trace
 from ..scenario import Scenario, loads
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
 from ..semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
-from ..interpreter.modules import read_text
+from ..interpreter.language.modules import read_text
 from ..semantics.kernel.errors import UsageError
 from .running import Result
 from .verdict import STATUSES

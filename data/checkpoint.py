@@ -12,7 +12,7 @@ import pickle
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from ..interpreter.nesting import room
+from ..interpreter.language.nesting import room
 from ..semantics.kernel.allowed import MARK, is_user_class
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..interpreter.walls import timed
+from ..interpreter.runtime.process_sandbox import timed
 from ..pictures.map_layers import site_of
 from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plotted
 from ..pictures.scene_figures import picture

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..interpreter.dialects import DEFAULT, choose
-from ..interpreter.printer import parameter_name
+from ..interpreter.language.dialects import DEFAULT, choose
+from ..interpreter.language.printer import parameter_name
 from ..semantics.kernel.allowed import is_user_made
 from ..semantics.kernel.classes import OBJECT_CLASS, built_in_defaults
 from ..semantics.kernel.sets import Set

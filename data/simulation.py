@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ..interpreter.walls import timed
+from ..interpreter.runtime.process_sandbox import timed
 from ..pictures.notebook_views import counted, short_text
 from .scene import OWN_FIELDS, Scene, in_json, json_value, portable
 

@@ -17,8 +17,8 @@ from typing import IO, TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 
-from ..interpreter.extras import needed
-from ..interpreter.walls import WALL
+from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.process_sandbox import WALL
 from ..semantics.kernel.errors import UsageError
 from .atomic_files import remove_unfinished, whole_file
 from .scene import in_json

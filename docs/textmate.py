@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from scenic_ref.interpreter.keywords import keywords, pattern
+from scenic_ref.interpreter.language.keywords import keywords, pattern
 from scenic_ref.semantics.kernel.classes import BUILT_IN_CLASSES
 from scenic_ref.semantics.python.builtins import BUILTINS
 

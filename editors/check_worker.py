@@ -16,8 +16,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import BinaryIO
 
-from ..interpreter.limits import Limits
-from ..interpreter.walls import WALL
+from ..interpreter.runtime.limits import Limits
+from ..interpreter.runtime.process_sandbox import WALL
 from ..scenario import loads
 from ..scenario.diagnosing import checked, of_error, of_warning, record
 from ..semantics.kernel.errors import RunError, ScenicError

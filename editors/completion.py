@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import NamedTuple
 
-from ..interpreter.dialects import DIALECTS, MARK
-from ..interpreter.keywords import LanguageWord, keywords
+from ..interpreter.language.dialects import DIALECTS, MARK
+from ..interpreter.language.keywords import LanguageWord, keywords
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.scenic_classes import ScenicClass
 from ..semantics.kernel.values import Constructor

@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from ..interpreter.dialects import MARK
-from ..interpreter.modules import HARMLESS, folder_of, leads_away, path_of
+from ..interpreter.language.dialects import MARK
+from ..interpreter.language.modules import HARMLESS, folder_of, leads_away, path_of
 from ..semantics.python.imports import beside
 from ..simulators import worlds
 from ..simulators.worlds import WORLDS, driving

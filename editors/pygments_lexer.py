@@ -9,7 +9,7 @@ from typing import ClassVar
 from pygments.lexer import RegexLexer, bygroups
 from pygments.token import STANDARD_TYPES, Comment, Keyword, Name, Number, Operator, Punctuation, String, Text, Whitespace, _TokenType
 
-from ..interpreter.keywords import keywords, pattern
+from ..interpreter.language.keywords import keywords, pattern
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.python.builtins import BUILTINS
 

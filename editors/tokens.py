@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
-from ..interpreter.keywords import LanguageWord, keywords, pattern
+from ..interpreter.language.keywords import LanguageWord, keywords, pattern
 
 UNCLOSED = r"[a-zA-Z]{0,2}(?:\"\"\"[\s\S]*|'''[\s\S]*|\"[^\r\n]*|'[^\r\n]*)"
 PIECES = re.compile(

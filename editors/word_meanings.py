@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import NamedTuple
 
-from ..interpreter.keywords import LanguageWord
-from ..interpreter.printer import to_source
+from ..interpreter.language.keywords import LanguageWord
+from ..interpreter.language.printer import to_source
 from ..semantics.kernel.classes import (
     BOOLEAN_PROPERTIES,
     BUILT_IN_CLASSES,

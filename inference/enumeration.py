@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from ..data.scene import Scene, scene_of
 from ..data.simulation import Simulated, to_json
-from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, run
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, run
 from ..pictures.notebook_views import counted
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import betaincinv
 
 from ..data.scene import Scene, scene_of
-from ..interpreter.streams import fold
+from ..interpreter.runtime.random_streams import fold
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
 from .batch.row_calls import FailedRows, note

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..interpreter.streams import fold
+from ..interpreter.runtime.random_streams import fold
 from .batch import Batch
 from .chain_diagnostics import Diagnosis, diagnose
 from .moves.proposals import Moves, MovesMade

@@ -17,8 +17,8 @@ import torch
 from pyro.infer.mcmc.mcmc_kernel import MCMCKernel
 
 from ..data.scene import Scene, scene_of
-from ..interpreter.running import Accepted, run
-from ..interpreter.streams import fold
+from ..interpreter.runtime.program_run import Accepted, run
+from ..interpreter.runtime.random_streams import fold
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Draw

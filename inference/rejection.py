@@ -15,8 +15,8 @@ from typing import NamedTuple
 from scipy.special import betaincinv
 
 from ..data.scene import Scene, scene_of
-from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
+from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement

@@ -8,8 +8,8 @@ from functools import partial
 from typing import NamedTuple
 
 from ..data.simulation import Simulated
-from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Beginnings, Chooser, Witness
+from ..interpreter.runtime.answerers import from_stream
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Beginnings, Chooser, Witness
 from ..pictures.notebook_views import counted
 from ..semantics.dynamics.processes import DYNAMIC
 from ..semantics.kernel.config import Config, State

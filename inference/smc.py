@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
-from ..interpreter.streams import fold
+from ..interpreter.runtime.random_streams import fold
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from ..data.scene import in_json
-from ..interpreter.extras import needed
+from ..interpreter.runtime.optional_packages import needed
 from .scene_figures import CLASSES, EDGE, INK, draw_scenes, new_figure, size_of, written
 
 if TYPE_CHECKING:

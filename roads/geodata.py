@@ -23,9 +23,9 @@ from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
 from ..data.atomic_files import write_whole
-from ..interpreter.extras import needed
-from ..interpreter.regular_file import name_and_folder, read_regular_file
-from ..interpreter.walls import timed
+from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.regular_file import name_and_folder, read_regular_file
 from ..semantics.kernel.errors import ScenicError, UsageError
 from ..semantics.kernel.memory import is_out_of_memory
 from .user_maps import Doubt, MapFeature, SiteMap

@@ -23,7 +23,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from ..interpreter.caches import cache_folder, digest_of_code, forget, read_kept, write_kept
+from ..interpreter.runtime.cache_folders import cache_folder, digest_of_code, forget, read_kept, write_kept
 from ..semantics.space.fields import Cell
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]

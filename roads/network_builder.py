@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from ..interpreter.regular_file import name_and_folder, read_regular_file
-from ..interpreter.walls import timed
+from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.regular_file import name_and_folder, read_regular_file
 from ..semantics.space.vectors import Vector
 from . import opendrive
 from .immutable import complete

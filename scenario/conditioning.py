@@ -10,8 +10,8 @@ from ..data.scene import Scene, scene_of
 from ..inference.batch.graph import GraphNode, RowDraw, Site
 from ..inference.batch.symbolic import Choice, nodes_in
 from ..inference.batch.tracing import Lifted, trace
-from ..interpreter.choosers import AS_THEY_ARE
-from ..interpreter.running import Accepted
+from ..interpreter.runtime.answerers import AS_THEY_ARE
+from ..interpreter.runtime.program_run import Accepted
 from ..semantics.kernel.allowed import is_user_made
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, GivenValues, KnownDraw, Outcome

@@ -12,7 +12,7 @@ from ..inference.batch.suggested_features import Suggested
 from ..inference.comparison.known_features import Facts
 from ..inference.comparison.scene_columns import leaves
 from ..inference.rejection import DEFAULT_ATTEMPTS, sample
-from ..interpreter.choosers import Draws
+from ..interpreter.runtime.answerers import Draws
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Done, Outcome
 from ..semantics.kernel.values import unwrap

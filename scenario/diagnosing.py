@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..interpreter.warnings import ProgramWarning
+from ..interpreter.language.lint import ProgramWarning
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, ScenicError
 from ..semantics.syntax.nodes import Span
 from .noticing import warnings_about

@@ -15,7 +15,7 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.block_tables import Tables
 from ..inference.batch.jobs.worker_pools import jobs
 from ..inference.rejection import OutOfPatience, patiently
-from ..interpreter.extras import needed
+from ..interpreter.runtime.optional_packages import needed
 from ..pictures.notebook_views import counted
 from ..semantics.kernel.errors import UsageError
 from .checking import no_backend

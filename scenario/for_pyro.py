@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..interpreter.extras import needed
+from ..interpreter.runtime.optional_packages import needed
 
 if TYPE_CHECKING:
     from ..data.scene import Scene

@@ -7,9 +7,9 @@ import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..interpreter.modules import read_text
-from ..interpreter.parser import parse
-from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.language.modules import read_text
+from ..interpreter.language.parser import parse
+from ..interpreter.runtime.program_run import DEFAULT_FUEL
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .noticing import given_in_vain
 from .scenario import Scenario

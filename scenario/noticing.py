@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..interpreter.dialects import DIALECTS
-from ..interpreter.modules import Library
-from ..interpreter.slips import slips
-from ..interpreter.warnings import IMPLAUSIBLE, ProgramWarning, misspelt_params, unread_params, warnings_of
+from ..interpreter.language.dialects import DIALECTS
+from ..interpreter.language.lint import (
+    IMPLAUSIBLE,
+    ProgramWarning,
+    misspelt_params,
+    slips,
+    unread_params,
+    warnings_of,
+)
+from ..interpreter.language.modules import Library
 from ..pictures.map_layers import FEATURES, SITE
 from ..semantics.python.builtins import BUILTINS, OF_RELEASES
 from ..semantics.syntax import Program, Span

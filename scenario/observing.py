@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from ..data.scene import Scene, scene_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
-from ..interpreter.parser import parse
-from ..interpreter.running import endless
-from ..interpreter.walls import within
+from ..interpreter.language.parser import parse
+from ..interpreter.runtime.process_sandbox import within
+from ..interpreter.runtime.program_run import endless
 from ..semantics.kernel.config import Config, State, Value
 from ..semantics.kernel.driving import Arrived, Unfinished, drive_machine, taken_over
 from ..semantics.kernel.errors import RunError, UsageError

@@ -11,7 +11,7 @@ from ..data.simulation import Simulated
 from ..inference.enumeration import DEFAULT_RUNS, Histories, enumerate_simulations
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..inference.simulation_rejection import NextScene, SampledRun, sample_simulation
-from ..interpreter.running import Witness
+from ..interpreter.runtime.program_run import Witness
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..simulators import by_name
 from ..simulators.behaviors.compiled_library import Library

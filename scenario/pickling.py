@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..interpreter.parser import parse
+from ..interpreter.language.parser import parse
 from ..semantics.kernel.errors import UsageError
 from ..semantics.syntax import Program
 

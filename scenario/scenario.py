@@ -25,11 +25,11 @@ from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.result import Inferred
 from ..inference.smc import draw_smc
-from ..interpreter.checks import check
-from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.dialects import DIALECTS
-from ..interpreter.modules import library_of, module_named, with_old_imports
-from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
+from ..interpreter.language.checks import check
+from ..interpreter.language.dialects import DIALECTS
+from ..interpreter.language.modules import library_of, module_named, with_old_imports
+from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..semantics.kernel.config import Config, Settings, State
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, NoEgo, UsageError
 from ..semantics.kernel.outcome import GivenValues

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..interpreter.dialects import DIALECTS
+from ..interpreter.language.dialects import DIALECTS
 from ..pictures.notebook_views import line_of_program, page_of_program
 from ..pictures.scene_figures import draw_scenes, size_of
 from ..semantics.kernel.errors import UsageError

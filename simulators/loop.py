@@ -13,8 +13,8 @@ from typing import NamedTuple, Protocol
 
 from ..data.scene import Scene, portable, scene_of
 from ..data.simulation import Body, Moment, Pose, Simulated
-from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness, drive
-from ..interpreter.streams import simulator_seed
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Chooser, Witness, drive
+from ..interpreter.runtime.random_streams import simulator_seed
 from ..roads.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy

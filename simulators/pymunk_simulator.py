@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data.simulation import Body, Pose
-from ..interpreter.extras import needed
+from ..interpreter.runtime.optional_packages import needed
 from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector
 from . import actions as a

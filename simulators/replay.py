@@ -14,9 +14,9 @@ from typing import NamedTuple
 from ..data.recording_reader import RecordedAction, RecordedStep, Recording
 from ..data.scene import Scene, json_value, scene_of
 from ..data.simulation import Body, Moment, Pose, Simulated
-from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Accepted, run
-from ..interpreter.streams import simulator_seed
+from ..interpreter.runtime.answerers import from_stream
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, run
+from ..interpreter.runtime.random_streams import simulator_seed
 from ..semantics.dynamics.policy import begin
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import UsageError

@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ..data.simulation import Body, Pose
-from ..interpreter.extras import needed
+from ..interpreter.runtime.optional_packages import needed
 from ..roads.map_generator import made
 from ..semantics.kernel.errors import UsageError
 from . import actions as a

@@ -22,7 +22,7 @@ from ..inference.comparison.sample_files import Samples as Given
 from ..inference.comparison.scene_columns import leaves
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
-from ..interpreter.dialects import DIALECTS
+from ..interpreter.language.dialects import DIALECTS
 from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..semantics.kernel.suggestions import did_you_mean

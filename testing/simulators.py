@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from ..data.scene import json_value
 from ..data.simulation import Body, Pose
-from ..interpreter.choosers import from_stream
-from ..interpreter.running import drive
+from ..interpreter.runtime.answerers import from_stream
+from ..interpreter.runtime.program_run import drive
 from ..scenario import loads
 from ..semantics.kernel.outcome import Done
 from ..semantics.space.vectors import Vector

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
-from scenic_ref.interpreter.extras import EXTRAS, is_installed
+from scenic_ref.interpreter.runtime.optional_packages import EXTRAS, is_installed
 
 PACKAGE_OF = {extra: package for package, extra in EXTRAS.items()}
 REASON = "needs the extra "
@@ -103,7 +103,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     finally:
         folder = item.path.relative_to(Path(__file__).parent).parts[0]
         item.config.stash[SECONDS][folder] += sum(os.times()[:4]) - begun  # type: ignore[assignment]
-        walls = sys.modules.get("scenic_ref.interpreter.walls")
+        walls = sys.modules.get("scenic_ref.interpreter.runtime.process_sandbox")
         if walls is not None and walls.WALL.guarded:
             walls.WALL.open()
             item.config.stash[PROBLEMS].append(f"{item.nodeid} left this process limited and guarded, as `run` makes it")

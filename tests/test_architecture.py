@@ -276,7 +276,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     shown, _, loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.rstrip("\n").rpartition("\n")
     ours = {name for name in loaded.split() if name.startswith("scenic_ref.") and not name.startswith("scenic_ref.cli.")}
     assert "simulate" in shown
-    assert ours == {"scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.limits", "scenic_ref.interpreter.supervisor"}
+    assert ours == {"scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime.limits", "scenic_ref.interpreter.runtime.supervisor"}
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio", "ctypes"} & set(loaded.split())
 
 

@@ -21,7 +21,7 @@ from scenic_ref import semantics
 from scenic_ref.cli import INTERRUPTED
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.cli.check import EXIT_CODES as VERDICTS
-from scenic_ref.interpreter import running
+from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.kernel.config import Config, Value
 from scenic_ref.semantics.kernel.outcome import Outcome
@@ -198,8 +198,8 @@ def test_the_run_that_the_page_shows_is_what_happens(monkeypatch: pytest.MonkeyP
             lines.append(f"  {rule:13}{shown(config.control):11}{' '.join(frames(config.stack))}")
         return outcome
 
-    step = running.step
-    monkeypatch.setattr(running, "step", watched)
+    step = program_run.step
+    monkeypatch.setattr(program_run, "step", watched)
     program = re.search(r"```scenic\n(.*?)```", MACHINE, re.DOTALL)
     listing = re.search(r"```text\n(.*?)```", MACHINE, re.DOTALL)
     assert program is not None and listing is not None

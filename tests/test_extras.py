@@ -12,7 +12,7 @@ import scenic_ref
 from scenic_ref.data.table_files import open_table
 from scenic_ref.inference.batch import block_rejection
 from scenic_ref.inference.batch import compile as compiler
-from scenic_ref.interpreter.extras import EXTRAS, is_installed
+from scenic_ref.interpreter.runtime.optional_packages import EXTRAS, is_installed
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
 

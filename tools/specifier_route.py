@@ -20,7 +20,7 @@ PROGRAM = "ego = Object at 0 @ 0\nObject left of ego by 1\n"
 
 def main() -> None:
     """Print the files, one a line."""
-    passed = {"interpreter/grammar.lark": None}
+    passed = {"interpreter/language/grammar.lark": None}
 
     def profile(frame: FrameType, event: str, _: object) -> None:
         if event != "call":

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from ...interpreter.limits import Limits
+from ...interpreter.runtime.limits import Limits
 from ...semantics.kernel.errors import UsageError
 from ..options import Source
 

@@ -13,7 +13,7 @@ from ...inference.batch.jobs.worker_pools import jobs
 from ...inference.comparison.relations import related, table_of
 from ...inference.enumeration import Enumeration
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...interpreter.running import Accepted
+from ...interpreter.runtime.program_run import Accepted
 from ...scenario import Scenario
 from ...scenario.observing import NAME, expression_of, law_of, observed
 from ...semantics.kernel.errors import RunsExhausted, UsageError

@@ -14,7 +14,7 @@ from ...inference.comparison.relations import table_of
 from ...inference.comparison.scene_columns import ABSENT, OTHERWISE, leaves, unit_of
 from ...inference.enumeration import content_of_scene
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...interpreter.running import Witness
+from ...interpreter.runtime.program_run import Witness
 from ...scenario.diagnosing import of_warning
 from ...scenario.noticing import warnings_about
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError

@@ -13,8 +13,8 @@ from typing import Any
 from ... import __version__
 from ...data.scene import in_json
 from ...editors.pygments_lexer import rules_for_browsers
-from ...interpreter.dialects import DIALECTS
-from ...interpreter.extras import is_installed, needed
+from ...interpreter.language.dialects import DIALECTS
+from ...interpreter.runtime.optional_packages import is_installed, needed
 from ...semantics.readings import PROFILES, READINGS, select
 from ..options import Source, pairs, read_source, with_map
 from ..session import Session

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...interpreter.streams import fold, mix
+from ...interpreter.runtime.random_streams import fold, mix
 
 RELEASED = ("not visible", "terminate after", "distance past (")
 """What the paper's syntax does not have."""

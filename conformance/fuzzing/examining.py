@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...interpreter.converting import convert
-from ...interpreter.modules import library_of
-from ...interpreter.parser import parse
+from ...interpreter.language.conversion import convert
+from ...interpreter.language.modules import library_of
+from ...interpreter.language.parser import parse
 from ...pictures.side_by_side import Boxes, boxes_of
 from ...scenario.loading import loads
 from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...interpreter.streams import fold, mix
+from ...interpreter.runtime.random_streams import fold, mix
 from ..programs import ProgramSettings, SeededChoices, random_program
 from ..programs.dynamic import dynamic_program
 from ..programs.ill_formed import ill_formed

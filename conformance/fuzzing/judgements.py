@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from ...interpreter.modules import read_text
+from ...interpreter.language.modules import read_text
 from ...pictures.side_by_side import Boxes
 from ...semantics.kernel.errors import UsageError
 from ..fields import VectorFields

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from itertools import chain
 
-from ...interpreter.parser import parse
-from ...interpreter.printer import to_source
+from ...interpreter.language.parser import parse
+from ...interpreter.language.printer import to_source
 from ...semantics.kernel.errors import ProgramError
 from ...semantics.kernel.scopes import children
 from ...semantics.syntax import Expression, Program, Statement

@@ -21,10 +21,10 @@ from typing import Literal
 from ...data.scene import Scene, scene_of
 from ...inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...inference.enumeration import Enumeration, content_of_scene
-from ...interpreter.choosers import from_stream
-from ...interpreter.parser import parse
-from ...interpreter.running import Accepted, Chooser, run
-from ...interpreter.streams import Stream, fold, mix
+from ...interpreter.language.parser import parse
+from ...interpreter.runtime.answerers import from_stream
+from ...interpreter.runtime.program_run import Accepted, Chooser, run
+from ...interpreter.runtime.random_streams import Stream, fold, mix
 from ...scenario import Scenario
 from ...semantics.kernel.errors import AttemptsExhausted
 from ...semantics.kernel.outcome import Draw

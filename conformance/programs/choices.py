@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from ...interpreter.streams import Stream
+from ...interpreter.runtime.random_streams import Stream
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
-from ...interpreter.nesting import children
+from ...interpreter.language.nesting import children
 from ...semantics.syntax import Expression, Node
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax.python_expressions import Name

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ...interpreter.streams import fold, mix
+from ...interpreter.runtime.random_streams import fold, mix
 
 STEPS = 3
 """Time steps for which the programs are made: within these, they have few runs."""

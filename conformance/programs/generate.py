@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ...interpreter.printer import to_source
+from ...interpreter.language.printer import to_source
 from ...semantics.syntax import Program, Statement
 from . import blocks, statements
 from .choices import Choices, SeededChoices

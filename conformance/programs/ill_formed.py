@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from textwrap import indent
 
-from ...interpreter.printer import to_source
+from ...interpreter.language.printer import to_source
 from ...semantics.kernel.errors import ParseError, ProgramError, RunError, SpecifiedTwice
 from ...semantics.syntax import Program, Statement
 from ...semantics.syntax import statements as s

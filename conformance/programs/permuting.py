@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from typing import TypeVar
 
-from ...interpreter.nesting import children
-from ...interpreter.printer import to_source
+from ...interpreter.language.nesting import children
+from ...interpreter.language.printer import to_source
 from ...semantics.syntax import Node, Program
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from ...data.scene import Scene, scene_of
-from ...interpreter.choosers import from_stream, from_trace
-from ...interpreter.running import Accepted, Chooser, run
+from ...interpreter.runtime.answerers import from_stream, from_trace
+from ...interpreter.runtime.program_run import Accepted, Chooser, run
 from ...scenario import Scenario
 from ...semantics.kernel.outcome import Draw, Outcome
 

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...data.scene import Scene, scene_of
-from ...interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ...interpreter.extras import why_missing
-from ...interpreter.running import Accepted, Beginnings, run
+from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
+from ...interpreter.runtime.optional_packages import why_missing
+from ...interpreter.runtime.program_run import Accepted, Beginnings, run
 from ...semantics.kernel.config import Config
 from ...semantics.kernel.errors import ScenicError
 from ...semantics.kernel.outcome import Requirement

@@ -21,7 +21,7 @@ import numba
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from ...interpreter.caches import cache_folder, digest_of_code, forget, read_kept, write_kept
+from ...interpreter.runtime.cache_folders import cache_folder, digest_of_code, forget, read_kept, write_kept
 
 ENDING = ".code"
 LARGEST = 1 << 26

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ...interpreter.choosers import PER_SCENE
-from ...interpreter.streams import site_code
+from ...interpreter.runtime.answerers import PER_SCENE
+from ...interpreter.runtime.random_streams import site_code
 from ...semantics.space.crowds import NUMBERS
 from ...semantics.space.numeric import Elementary
 from ...semantics.space.regions import PolygonalRegion

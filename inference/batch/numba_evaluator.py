@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...interpreter.streams import fold
+from ...interpreter.runtime.random_streams import fold
 from ...semantics.kernel.outcome import Requirement
 from .factorised_rejection import Stage
 from .numba_codegen import ACCEPTED, EXHAUSTED, LEFT, PENDING, NotCompiled, compile_stage

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...interpreter.choosers import Draws
+from ...interpreter.runtime.answerers import Draws
 from ...semantics.space.distributions import PointIn
 from ...semantics.space.geometry import TAU, corners, distance_to_box
 from ...semantics.space.regions import (

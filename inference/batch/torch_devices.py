@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...interpreter.extras import needed
+from ...interpreter.runtime.optional_packages import needed
 
 
 def check_device(name: str) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ...interpreter.choosers import PER_SCENE
-from ...interpreter.streams import (
+from ...interpreter.runtime.answerers import PER_SCENE
+from ...interpreter.runtime.random_streams import (
     MULTIPLIER_0,
     MULTIPLIER_1,
     ROUNDS,

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, from_stream, replaced
-from ...interpreter.printer import to_source
-from ...interpreter.running import Accepted, Beginnings, run
-from ...interpreter.streams import Stream
-from ...interpreter.walls import within
+from ...interpreter.language.printer import to_source
+from ...interpreter.runtime.answerers import AS_THEY_ARE, PER_SCENE, Draws, from_stream, replaced
+from ...interpreter.runtime.process_sandbox import within
+from ...interpreter.runtime.program_run import Accepted, Beginnings, run
+from ...interpreter.runtime.random_streams import Stream
 from ...semantics.kernel.callers import frames_of
 from ...semantics.kernel.config import Abrupt, Config, State, Value
 from ...semantics.kernel.driving import End, drive_machine

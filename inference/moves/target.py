@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...data.scene import Scene, scene_of
-from ...interpreter.extras import why_missing
-from ...interpreter.running import Accepted, Rejected, run
+from ...interpreter.runtime.optional_packages import why_missing
+from ...interpreter.runtime.program_run import Accepted, Rejected, run
 from ...semantics.kernel.errors import UsageError
 from ...semantics.kernel.outcome import Requirement
 from ..batch.block_rejection import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch

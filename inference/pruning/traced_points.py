@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from ...interpreter.choosers import AS_THEY_ARE, Draws
+from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws
 from ...semantics.kernel.config import Config, State
 from ...semantics.space.regions import Region
 from ..batch.graph import Graph

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ...interpreter.running import DEFAULT_FUEL, Chooser, Witness
-from ...interpreter.walls import within
+from ...interpreter.runtime.process_sandbox import within
+from ...interpreter.runtime.program_run import DEFAULT_FUEL, Chooser, Witness
 from ...semantics.dynamics import policy as rules
 from ...semantics.dynamics.guards import at_top_level, opening_guards
 from ...semantics.dynamics.interrupts import run_for_one_step

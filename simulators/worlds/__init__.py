@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
-from ...interpreter.modules import World
+from ...interpreter.language.modules import World
 from ...roads.user_maps import FEATURES
 from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...interpreter.modules import World
+from ...interpreter.language.modules import World
 from ...roads.geodata import read_site
 from ...roads.user_maps import FEATURES, SiteMap
 from ...semantics.kernel.errors import ImportRefused, ScenicError

@@ -7,8 +7,8 @@ import re
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import random_programs
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.running import Rejected, run
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.program_run import Rejected, run
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 
 EGO = "ego = Object at (0, 0)\n"

@@ -17,8 +17,8 @@ from scenic_ref.inference.batch.primitives.drawn_points import CurveTests
 from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
 from scenic_ref.inference.batch.primitives.random_numbers import Numbers
 from scenic_ref.inference.batch.tracing import trace
-from scenic_ref.interpreter.choosers import PER_SCENE
-from scenic_ref.interpreter.streams import Stream, philox
+from scenic_ref.interpreter.runtime.answerers import PER_SCENE
+from scenic_ref.interpreter.runtime.random_streams import Stream, philox
 from scenic_ref.semantics.kernel.budget import Budget
 from scenic_ref.semantics.space.numeric import arc_tangent, either, every, larger, search
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion

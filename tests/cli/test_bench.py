@@ -15,7 +15,7 @@ from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
 from scenic_ref.benchmarks.processes import Process
-from scenic_ref.interpreter.extras import is_installed
+from scenic_ref.interpreter.runtime.optional_packages import is_installed
 
 from .conftest import Ask
 

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.supervisor import HEARING
+from scenic_ref.interpreter.runtime.supervisor import HEARING
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems have no such clocks")
 
@@ -112,7 +112,7 @@ def test_a_program_does_not_go_on_when_its_supervisor_is_killed(tmp_path):
 
 COUNTING = """
 import sys
-from scenic_ref.interpreter.supervisor import supervise
+from scenic_ref.interpreter.runtime.supervisor import supervise
 
 supervise(["run"])
 word = "ready"

@@ -12,8 +12,8 @@ from pathlib import Path
 from threading import Barrier
 
 import pytest
-from scenic_ref.interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
-from scenic_ref.interpreter.walls import RUNNING, WALL, within
+from scenic_ref.interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
+from scenic_ref.interpreter.runtime.process_sandbox import RUNNING, WALL, within
 from scenic_ref.semantics.kernel.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")

@@ -18,7 +18,7 @@ from scenic_ref.conformance.implementation import Task
 from scenic_ref.conformance.process import ImplementationFault
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
 from scenic_ref.conformance.replaying import Replayed, all_on_one_side, in_simulations, of_simulations
-from scenic_ref.interpreter.dialects import DIALECTS
+from scenic_ref.interpreter.language.dialects import DIALECTS
 from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.readings import select

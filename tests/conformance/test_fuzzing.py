@@ -25,7 +25,7 @@ from scenic_ref.conformance.fuzzing.judgements import CampaignFindings, findings
 from scenic_ref.conformance.fuzzing.saving import draft_of, passage_of
 from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, CheckError, ParseError, ProgramError, UsageError
 

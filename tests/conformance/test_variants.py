@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 
 import pytest
 from scenic_ref.conformance import ConformanceVector, load_vectors
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.syntax import Node
 from scenic_ref.semantics.syntax.expressions import InInitialScenario, ObjectDefinition, ObjectOrOperator, ObjectOrValue
 from scenic_ref.semantics.syntax.python_expressions import Name

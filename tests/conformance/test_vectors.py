@@ -17,7 +17,7 @@ from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.conformance.simulations import Simulations
 from scenic_ref.conformance.statistical import THRESHOLD, Probabilities, QuantityLaw, QuantitySupport
 from scenic_ref.conformance.values import SceneValues
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
 from scenic_ref.semantics.python.builtins import CONSTRUCTORS
 from scenic_ref.semantics.readings import READINGS

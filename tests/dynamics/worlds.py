@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import scenic_ref
-from scenic_ref.interpreter.choosers import from_stream
+from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.simulators.loop import Failed, Simulated, simulate_once
 from scenic_ref.simulators.still import Still
 

@@ -10,8 +10,8 @@ from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 
 import scenic_ref
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.running import Accepted, run
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.program_run import Accepted, run
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.kernel.config import Config, State, Value
 from scenic_ref.semantics.kernel.errors import ScenicError

@@ -24,7 +24,7 @@ OF_PYTHON = allowed.names(
     "method_descriptor object property range slice staticmethod str tuple type Counter OrderedDict defaultdict deque EnumType auto KeyWrapper"
 )
 """The types of Python, beside exceptions, of which a program may meet values. A name that is added here is one that somebody has thought about."""
-OURS = ("scenic_ref.semantics.", "scenic_ref.simulators.", "scenic_ref.interpreter.modules")
+OURS = ("scenic_ref.semantics.", "scenic_ref.simulators.", "scenic_ref.interpreter.language.modules")
 HELD = allowed.names("list dict tuple str int float bool bytes complex object property range slice staticmethod classmethod Counter OrderedDict defaultdict deque") | {
     "Enum", "IntEnum", "Flag", "auto",
 }  # fmt: skip

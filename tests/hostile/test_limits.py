@@ -76,7 +76,7 @@ def test_what_would_take_for_ever_is_an_error_soon(text, effort):
 INTERRUPTING = """
 import os, threading, time
 from scenic_ref.cli import main
-from scenic_ref.interpreter.walls import WALL
+from scenic_ref.interpreter.runtime.process_sandbox import WALL
 from scenic_ref.semantics.kernel import budget
 budget.LARGEST_WORK = 10 ** 18
 def interrupt():

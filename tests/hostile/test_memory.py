@@ -12,8 +12,8 @@ import shapely
 from scenic_ref.cli.errors import report
 from scenic_ref.cli.session import Session
 from scenic_ref.errors import ProgramError
-from scenic_ref.interpreter.limits import Limits
-from scenic_ref.interpreter.walls import WALL, timed
+from scenic_ref.interpreter.runtime.limits import Limits
+from scenic_ref.interpreter.runtime.process_sandbox import WALL, timed
 from scenic_ref.roads.geodata import read_site
 from scenic_ref.semantics.kernel.memory import is_out_of_memory
 from scenic_ref.semantics.kernel.values import Native

@@ -11,9 +11,9 @@ import scenic_ref
 from scenic_ref.data.scene import scene_of
 from scenic_ref.data.simulation import to_line
 from scenic_ref.inference.rejection import sample
-from scenic_ref.interpreter import running
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.running import Beginnings, run
+from scenic_ref.interpreter.runtime import program_run
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.program_run import Beginnings, run
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel import budget
 from scenic_ref.semantics.kernel.config import Config
@@ -63,12 +63,12 @@ def from_the_beginning(scenario: Scenario, seed: int, index: int) -> tuple[str, 
     for attempt in itertools.count():
         ended = run(scenario.start(), from_stream(seed, index, attempt))
         steps += ended.steps
-        if isinstance(ended, running.Accepted):
+        if isinstance(ended, program_run.Accepted):
             return scene_of(ended.state, seed, index, attempt + 1).to_line(), steps
     raise AssertionError
 
 
-def ending(begin: Callable[[], Config], attempt: int, fuel: int = running.DEFAULT_FUEL) -> object:
+def ending(begin: Callable[[], Config], attempt: int, fuel: int = program_run.DEFAULT_FUEL) -> object:
     """The steps of an attempt, or its error."""
     try:
         return run(begin(), from_stream(1, 0, attempt), fuel=fuel).steps
@@ -89,7 +89,7 @@ def test_an_attempt_has_as_much_fuel_as_from_the_beginning() -> None:
 def test_an_attempt_may_do_as_much_work_as_from_the_beginning(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(budget, "LARGEST_WORK", most)
     scenario = scenic_ref.loads("L = [0] * 6000\nx = Range(0, 1)\nM = [1] * 6000\nego = Object\nrequire x > 2\n")
-    begin = Beginnings(scenario.start, running.DEFAULT_FUEL)
+    begin = Beginnings(scenario.start, program_run.DEFAULT_FUEL)
     assert [ending(begin, a) for a in range(3)] == [ending(scenario.start, a) for a in range(3)]
 
 
@@ -97,7 +97,7 @@ def test_a_beginning_that_is_out_of_reach_is_made_anew() -> None:
     begin = Beginnings(scenic_ref.loads("L = [1]\nego = Object at (Range(0, 1), 0)\nL.append(2)\nparam n = len(L)\n").start, 10_000)
     for attempt in range(6):
         ended = run(begin(), from_stream(0, 0, attempt))
-        assert isinstance(ended, running.Accepted)
+        assert isinstance(ended, program_run.Accepted)
         assert ended.state.params["n"] == 2
         if attempt % 2:  # driven on, as a simulation does
             ended.state.version.versions.begin_anew()

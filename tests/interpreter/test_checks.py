@@ -6,8 +6,8 @@ import textwrap
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.checks import check
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import CheckError
 
 FAULTY: dict[str, tuple[int, int, str]] = {

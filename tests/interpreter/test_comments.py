@@ -10,10 +10,10 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.converting import convert
-from scenic_ref.interpreter.dialects import DIALECTS
-from scenic_ref.interpreter.modules import library_of
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.conversion import convert
+from scenic_ref.interpreter.language.dialects import DIALECTS
+from scenic_ref.interpreter.language.modules import library_of
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import ParseError
 from scenic_ref.simulators.worlds import WORLDS
 

@@ -9,9 +9,9 @@ import pytest
 from scenic_ref.conformance import ConformanceVector, load_vectors
 from scenic_ref.conformance.ourselves import Ourselves
 from scenic_ref.conformance.running import judge
-from scenic_ref.interpreter.converting import convert
-from scenic_ref.interpreter.modules import library_of
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.conversion import convert
+from scenic_ref.interpreter.language.modules import library_of
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import ParseError
 from scenic_ref.simulators.worlds import WORLDS
 

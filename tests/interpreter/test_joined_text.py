@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.checks import check
-from scenic_ref.interpreter.comments import Comments
-from scenic_ref.interpreter.joined_text import join_text
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.conversion import Comments
+from scenic_ref.interpreter.language.logical_lines import join_text
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import ParseError
 from scenic_ref.semantics.syntax import dynamics as d
 from scenic_ref.semantics.syntax import expressions as e

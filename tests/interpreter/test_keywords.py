@@ -15,8 +15,8 @@ from pygments.formatters import NullFormatter
 from pygments.token import Keyword, Name, Operator, Text, Token
 from scenic_ref.conformance import load_vectors
 from scenic_ref.editors.pygments_lexer import ScenicLexer
-from scenic_ref.interpreter.keywords import keywords, terminals
-from scenic_ref.interpreter.parser import tables
+from scenic_ref.interpreter.language.keywords import keywords, terminals
+from scenic_ref.interpreter.language.parser import tables
 
 ROOT = Path(__file__).parents[2]
 

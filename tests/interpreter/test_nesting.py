@@ -6,11 +6,11 @@ import sys
 
 import pytest
 from scenic_ref.data.checkpoint import resume, save
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.converting import convert
-from scenic_ref.interpreter.nesting import LIMIT
-from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.running import drive
+from scenic_ref.interpreter.language.conversion import convert
+from scenic_ref.interpreter.language.nesting import LIMIT
+from scenic_ref.interpreter.language.parser import parse
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.program_run import drive
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.dynamics.policy import begin
 from scenic_ref.semantics.kernel.errors import ParseError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.printer import to_source
+from scenic_ref.interpreter.language.parser import parse
+from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.semantics.kernel.scopes import descendants
 from scenic_ref.semantics.syntax import expressions as e
 from scenic_ref.semantics.syntax import python_expressions as p

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 import pytest
-from scenic_ref.interpreter.builder_dynamics import NOT_RECORDED
-from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.tree_builder import BY_DIALECT
+from scenic_ref.interpreter.language.node_builders import NOT_RECORDED
+from scenic_ref.interpreter.language.parser import parse
+from scenic_ref.interpreter.language.tree_builder import BY_DIALECT
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
 

@@ -12,9 +12,9 @@ from types import SimpleNamespace
 
 import pytest
 from lark import Lark
-from scenic_ref.interpreter import parser
-from scenic_ref.interpreter.caches import DIGEST, read_kept
-from scenic_ref.interpreter.parser import LARGEST_TABLES, cache_file, parse, tables
+from scenic_ref.interpreter.language import parser
+from scenic_ref.interpreter.language.parser import LARGEST_TABLES, cache_file, parse, tables
+from scenic_ref.interpreter.runtime.cache_folders import DIGEST, read_kept
 
 BLOCK = """class Foo{i}(Car):
     position: Point on road

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.printer import to_source
+from scenic_ref.interpreter.language.parser import parse
+from scenic_ref.interpreter.language.printer import to_source
 
 HERE = Path(__file__)
 CASES = HERE.with_name("round_trips.txt").read_text("utf-8").split("\n%%\n")

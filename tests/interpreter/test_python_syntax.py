@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.syntax import Expression
 from scenic_ref.semantics.syntax import python_expressions as p
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenic_ref.interpreter.streams import Stream, fold, mix, philox, site_code
+from scenic_ref.interpreter.runtime.random_streams import Stream, fold, mix, philox, site_code
 
 words = st.integers(0, 2**64 - 1)
 ALPHA = 1e-9

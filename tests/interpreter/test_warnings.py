@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import load_vectors
-from scenic_ref.interpreter.warnings import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
+from scenic_ref.interpreter.language.lint import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
 from scenic_ref.scenario import load, loads
 from scenic_ref.scenario.loading import scenario_of
 from scenic_ref.scenario.noticing import warnings_about

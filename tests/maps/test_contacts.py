@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance.environments import MADE, Release, make
-from scenic_ref.interpreter.caches import cache_place
+from scenic_ref.interpreter.runtime.cache_folders import cache_place
 from scenic_ref.roads import read_map
 from scenic_ref.roads.map_generator import made
 from scenic_ref.roads.network import Lane, LaneSection, Network

@@ -10,7 +10,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.caches import cache_place
+from scenic_ref.interpreter.runtime.cache_folders import cache_place
 from scenic_ref.roads.map_generator import made
 
 from .test_making import CASES

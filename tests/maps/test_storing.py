@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.interpreter import caches
+from scenic_ref.interpreter.runtime import cache_folders
 from scenic_ref.roads import map_cache, network_arrays, opendrive
 from scenic_ref.roads.immutable import Fixed
 from scenic_ref.roads.map_generator import KINDS, made
@@ -126,7 +126,7 @@ def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
     for folder in ("maps", "semantics/space"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "made.py").write_text("x = 1\n")
-    monkeypatch.setattr(caches, "__file__", str(tmp_path / "interpreter" / "caches.py"))
+    monkeypatch.setattr(cache_folders, "__file__", str(tmp_path / "interpreter" / "caches.py"))
     first = map_cache.code_there()
     (tmp_path / "maps" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
     assert first == map_cache.code_there() != b""

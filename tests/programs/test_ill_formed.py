@@ -12,8 +12,8 @@ from scenic_ref.conformance.programs import ProgramSettings, SeededChoices, gene
 from scenic_ref.conformance.programs.ill_formed import IllFormed, planted, right
 from scenic_ref.conformance.programs.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, Mistake
 from scenic_ref.conformance.programs.strategies import ill_formed_programs
-from scenic_ref.interpreter import checks
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language import checks
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, ResolutionError
 

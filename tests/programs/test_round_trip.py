@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from scenic_ref.conformance.programs.strategies import finite_programs, programs
-from scenic_ref.interpreter.checks import check
-from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.printer import to_source
+from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.parser import parse
+from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick

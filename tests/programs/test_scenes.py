@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scenic_ref.conformance.programs.replaying import first_accepted, replayed
 from scenic_ref.conformance.programs.strategies import programs
 from scenic_ref.data.scene import Scene
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program

@@ -16,8 +16,8 @@ from scenic_ref.inference.pruning import Pruning, accepted_facts, analysis, prun
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.traced_points import Recorded, record
 from scenic_ref.inference.rejection import sample
-from scenic_ref.interpreter.choosers import from_stream, from_trace
-from scenic_ref.interpreter.running import Accepted, run
+from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
+from scenic_ref.interpreter.runtime.program_run import Accepted, run
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.space.distributions import PointIn

@@ -7,7 +7,7 @@ import pickle
 import pytest
 import scenic_ref
 from scenic_ref.editors.check_worker import diagnostics_of
-from scenic_ref.interpreter.dialects import DIALECTS
+from scenic_ref.interpreter.language.dialects import DIALECTS
 from scenic_ref.semantics.readings import select
 
 LUCK = "{first}x = Range(0, 1)\nego = {new}Object at (0, 0), with v x\nrequire[0.5] x < 0.1\n"

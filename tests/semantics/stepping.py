@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from scenic_ref.interpreter import running
+from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.outcome import Outcome
 
@@ -15,9 +15,9 @@ Step = Callable[[Config], Outcome]
 @contextmanager
 def stepping(instead: Step) -> Iterator[None]:
     """Every run is driven with another step function."""
-    before = running.step
-    running.step = instead  # type: ignore[assignment]
+    before = program_run.step
+    program_run.step = instead  # type: ignore[assignment]
     try:
         yield
     finally:
-        running.step = before  # type: ignore[assignment]
+        program_run.step = before  # type: ignore[assignment]

@@ -17,10 +17,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenic_ref import loads
 from scenic_ref.inference.comparison import Continuous, contradicts
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.running import run
-from scenic_ref.interpreter.streams import Stream
-from scenic_ref.interpreter.tracing import log_density_of
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.program_run import run
+from scenic_ref.interpreter.runtime.random_streams import Stream
+from scenic_ref.interpreter.runtime.trace import log_density_of
 from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.space.distributions import (
     BadParameters,

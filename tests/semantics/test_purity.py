@@ -23,7 +23,7 @@ from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.implementation import Refused
 from scenic_ref.conformance.ourselves import Ourselves
 from scenic_ref.conformance.running import fired_in
-from scenic_ref.interpreter import running
+from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.semantics.kernel import budget, scopes, versions
 from scenic_ref.semantics.kernel.allowed import ATTRIBUTES, is_user_made
 from scenic_ref.semantics.kernel.budget import Metered
@@ -374,7 +374,7 @@ def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
 
 def test_a_configuration_that_was_driven_on_says_so():
     config = scenic_ref.loads("ego = Object\n").start()
-    running.run(config, lambda draw: draw.distribution.sample(lambda: 0.5))
+    program_run.run(config, lambda draw: draw.distribution.sample(lambda: 0.5))
     with pytest.raises(versions.DrivenOn, match="cannot be stepped again"):
         step(config)
 

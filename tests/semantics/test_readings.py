@@ -7,7 +7,7 @@ from importlib.resources import files
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import ProgramError, UsageError
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided, select
 from scenic_ref.semantics.readings.loading import FILES, readings_in

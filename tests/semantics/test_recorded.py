@@ -21,8 +21,8 @@ from scenic_ref.conformance.implementation import NeverAccepted, Refused
 from scenic_ref.conformance.ourselves import Ourselves, load, loaded, traced
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.conformance.vector import ConformanceVector
-from scenic_ref.interpreter import tracing
-from scenic_ref.interpreter.printer import to_source
+from scenic_ref.interpreter.language.printer import to_source
+from scenic_ref.interpreter.runtime import trace
 from scenic_ref.scenario import loads
 from scenic_ref.semantics import step
 from scenic_ref.semantics.kernel.errors import ScenicError
@@ -116,7 +116,7 @@ def test_what_is_given_otherwise_is_noticed(rival: str, monkeypatch: pytest.Monk
     if rival == "another number":
         monkeypatch.setattr(continuous.Range, "sample", lambda self, uniform: self.low + (self.high - self.low) * uniform() ** 2)
     else:
-        monkeypatch.setattr(tracing.Trace, "witness", lambda self, outcome, drawn: None)
+        monkeypatch.setattr(trace.Trace, "witness", lambda self, outcome, drawn: None)
     assert of_text(text) != before
 
 

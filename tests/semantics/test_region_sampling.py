@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import pytest
 from scenic_ref.inference.comparison import Categorical, contradicts
-from scenic_ref.interpreter.streams import Stream
+from scenic_ref.interpreter.runtime.random_streams import Stream
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.regions import (
     CircularRegion,

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from scenic_ref.interpreter.streams import Stream
+from scenic_ref.interpreter.runtime.random_streams import Stream
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.boundaries import METRES
 from scenic_ref.semantics.space.fields import VectorField

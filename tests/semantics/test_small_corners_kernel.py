@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.tracing import Trace
+from scenic_ref.interpreter.runtime.answerers import from_stream
+from scenic_ref.interpreter.runtime.trace import Trace
 from scenic_ref.semantics.kernel import suggestions
 from scenic_ref.semantics.kernel.allowed import is_value
 from scenic_ref.semantics.kernel.errors import FuelExhausted, ProgramError, RunError

@@ -6,7 +6,7 @@ import math
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.streams import Stream
+from scenic_ref.interpreter.runtime.random_streams import Stream
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.city import LANE, SHOULDER, City, city

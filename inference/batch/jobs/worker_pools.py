@@ -22,7 +22,7 @@ from multiprocessing.process import BaseProcess
 from types import FrameType
 from typing import TypeVar
 
-from ....interpreter.extras import needed
+from ....interpreter.runtime.optional_packages import needed
 from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ...rejection import DEFAULT_ATTEMPTS, exhausted, how_often
 from ..block_rejection import Batch, Block

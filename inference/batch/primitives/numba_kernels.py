@@ -18,7 +18,15 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import get_cython_function_address, intrinsic
 
-from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1
+from ....interpreter.runtime.random_streams import (
+    MULTIPLIER_0,
+    MULTIPLIER_1,
+    ROUNDS,
+    UNIT,
+    UNUSED_BITS,
+    WEYL_0,
+    WEYL_1,
+)
 from ....semantics.space.boundaries import METRES
 from ....semantics.space.crowds import MARGIN
 from ..code_cache import keep_code

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ....interpreter.choosers import PER_SCENE
-from ....interpreter.streams import (
+from ....interpreter.runtime.answerers import PER_SCENE
+from ....interpreter.runtime.random_streams import (
     MULTIPLIER_0,
     MULTIPLIER_1,
     ROUNDS,

@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from ....interpreter.modules import World
+from ....interpreter.language.modules import World
 from ....roads import network as roads
 from ....roads import vehicle_paths
 from ....roads.map_generator import made

@@ -16,8 +16,8 @@ from pathlib import Path
 from types import FrameType
 from typing import ParamSpec, TypeVar
 
-from ..semantics.kernel.errors import OutOfTime, RunError
-from ..semantics.kernel.memory import is_out_of_memory
+from ...semantics.kernel.errors import OutOfTime, RunError
+from ...semantics.kernel.memory import is_out_of_memory
 from .limits import Limits
 from .supervisor import IDLE, LIMITED, PAGE, due_in
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from lark.lexer import Token
 
-from ..semantics.kernel.errors import ParseError
-from ..semantics.syntax import Span
+from ...semantics.kernel.errors import ParseError
+from ...semantics.syntax import Span
 
 OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
 CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ..semantics.syntax import Expression, Span, Specifier
-from ..semantics.syntax.expressions import (
+from ...semantics.syntax import Expression, Span, Specifier
+from ...semantics.syntax.expressions import (
     FieldAt,
     IntervalOrPair,
     NotVisible,
@@ -17,8 +17,14 @@ from ..semantics.syntax.expressions import (
     RelativeTo,
     VisibleFrom,
 )
-from ..semantics.syntax.python_expressions import Attribute, Name, TupleDisplay
-from ..semantics.syntax.specifiers import AtSpecifier, NotVisibleSpecifier, OffsetAlongSpecifier, OffsetBySpecifier, VisibleSpecifier
+from ...semantics.syntax.python_expressions import Attribute, Name, TupleDisplay
+from ...semantics.syntax.specifiers import (
+    AtSpecifier,
+    NotVisibleSpecifier,
+    OffsetAlongSpecifier,
+    OffsetBySpecifier,
+    VisibleSpecifier,
+)
 
 Kind = Literal["AT", "VISIBLE_FROM", "NOT_VISIBLE_FROM", "RELATIVE_TO", "OFFSET_BY", "OFFSET_ALONG"]
 TO_THE_END = ("AT", "VISIBLE_FROM", "NOT_VISIBLE_FROM")

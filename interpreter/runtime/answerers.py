@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from ..semantics.kernel.outcome import Draw
-from ..semantics.space.distributions import Distribution, PointIn
-from .running import Chooser
-from .streams import Stream
+from ...semantics.kernel.outcome import Draw
+from ...semantics.space.distributions import Distribution, PointIn
+from .program_run import Chooser
+from .random_streams import Stream
 
 PER_SCENE = (1 << 64) - 1
 """The attempt number under which draws made once per scene are numbered (reading `soft=scene`)."""

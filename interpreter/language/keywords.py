@@ -33,7 +33,7 @@ class LanguageWord(NamedTuple):
 def terminals() -> dict[str, tuple[str, str, int]]:
     """Every terminal of the grammar: the heading under which it stands, its pattern, its priority."""
     found: dict[str, tuple[str, str, int]] = {}
-    heading, lines = "", files(__spec__.parent if __spec__ else "scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
+    heading, lines = "", files(__spec__.parent if __spec__ else "scenic_ref.interpreter.language").joinpath("grammar.lark").read_text("utf-8")
     for line in re.sub(r"\n +\|", " |", lines).splitlines():
         if title := HEADING.match(line):
             heading = title["title"] or title["part"]

@@ -7,20 +7,34 @@ from typing import Any
 
 from lark import Token, Tree
 
-from ..semantics.kernel.classes import BUILT_IN_CLASSES
-from ..semantics.kernel.errors import ParseError
-from ..semantics.kernel.kinds import FLAT, SPATIAL_PROPERTIES
-from ..semantics.syntax import Expression, Span, Statement
-from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
-from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
-from ..semantics.syntax.statements import ClassDefinition, PropertyDefault
+from ...semantics.kernel.classes import BUILT_IN_CLASSES
+from ...semantics.kernel.errors import ParseError
+from ...semantics.kernel.kinds import FLAT, SPATIAL_PROPERTIES
+from ...semantics.syntax import Expression, Span, Statement
+from ...semantics.syntax.expressions import (
+    FieldAt,
+    ObjectDefinition,
+    ObjectOrOperator,
+    ObjectOrValue,
+    OffsetBy,
+)
+from ...semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
+from ...semantics.syntax.statements import ClassDefinition, PropertyDefault
 from . import literals
-from .chains import is_dotted_name, join
-from .definition_parts import PARTS
 from .dialects import Dialect, having
-from .joined_text import AS_WRITTEN, JoinedText
+from .infix_chains import is_dotted_name, join
+from .logical_lines import AS_WRITTEN, JoinedText
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
+
+
+IN_SCENARIOS = "write `scenario Main():` with `setup:` and `compose:` blocks inside"
+IN_HEADS = "write it in the first lines of one, before its other statements"
+PARTS = {
+    **dict.fromkeys(("setup", "compose"), ("a `scenario`", IN_SCENARIOS)),
+    **dict.fromkeys(("precondition", "invariant"), ("a `behavior` or `scenario`", IN_HEADS)),
+}
+"""The words that such lines begin with: what they are parts of, and the hint where they stand elsewhere."""
 
 
 @dataclass(frozen=True, slots=True)

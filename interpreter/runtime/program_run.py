@@ -7,14 +7,25 @@ from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
-from ..semantics.kernel.config import Config, Stack, State, Value
-from ..semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine, taken_over
-from ..semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
-from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
-from ..semantics.space.regions import EmptyRegion
-from ..semantics.space.vectors import Vector
-from ..semantics.step import place, step
-from .walls import within
+from ...semantics.kernel.config import Config, Stack, State, Value
+from ...semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine, taken_over
+from ...semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
+from ...semantics.kernel.outcome import (
+    Act,
+    Done,
+    Draw,
+    Fault,
+    Finish,
+    Next,
+    Observe,
+    Outcome,
+    Requirement,
+    Stuck,
+)
+from ...semantics.space.regions import EmptyRegion
+from ...semantics.space.vectors import Vector
+from ...semantics.step import place, step
+from .process_sandbox import within
 
 DEFAULT_FUEL = 5_000_000
 

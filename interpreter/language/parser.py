@@ -17,21 +17,18 @@ from lark.exceptions import UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
-from ..semantics.kernel.errors import ParseError
-from ..semantics.syntax import Expression, Program, Span
-from ..semantics.syntax.python_expressions import Constant, FormattedValue, FString
+from ...semantics.kernel.errors import ParseError
+from ...semantics.syntax import Expression, Program, Span
+from ...semantics.syntax.python_expressions import Constant, FormattedValue, FString
+from ..runtime.cache_folders import cache_folder, read_kept, write_kept
+from ..runtime.process_sandbox import timed
 from . import dialects, literals, syntax_errors
-from .builder_dynamics import DynamicsBuilder
-from .builder_expressions import ExpressionBuilder
-from .builder_scenic import ScenicBuilder
-from .builder_statements import StatementBuilder
-from .caches import cache_folder, read_kept, write_kept
 from .dialects import Dialect
 from .indentation import Layout
-from .joined_text import join_text
+from .logical_lines import join_text
 from .nesting import check_nesting
+from .node_builders import DynamicsBuilder, ExpressionBuilder, ScenicBuilder, StatementBuilder
 from .tree_builder import Parts, TextOrigin
-from .walls import timed
 
 Start = Literal["program", "interpolation"]
 INTERPOLATION_LIMIT = 4
@@ -84,7 +81,7 @@ def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) 
 @cache
 def tables(released: bool) -> Lark:
     """The parser's tables, built once per process or loaded from the user's cache directory, with the layout of the releases or without."""
-    grammar = files("scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
+    grammar = files("scenic_ref.interpreter.language").joinpath("grammar.lark").read_text("utf-8")
     key = hashlib.blake2b(f"{lark.__version__} {sys.version_info[:2]} {grammar}".encode()).hexdigest()
     layout, place = Layout(released), cache_file()
     kept = None if place is None else tables_in(place, key, layout)

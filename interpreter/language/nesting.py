@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
 
-from ..semantics.kernel.errors import ParseError
-from ..semantics.syntax import Node
-from ..semantics.syntax.expressions import ObjectOrOperator
+from ...semantics.kernel.errors import ParseError
+from ...semantics.syntax import Node
+from ...semantics.syntax.expressions import ObjectOrOperator
 
 LIMIT = 400
 ROOM = 20 * LIMIT
