@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..interpreter.language.lint import ProgramWarning
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, ScenicError
-from ..semantics.syntax.nodes import Span
+from ..semantics.syntax import Span
 from .noticing import warnings_about
 from .scenario import Scenario
 
