@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import errors
+    from .api import Scenario, load, loads
     from .data.scene import Scene, SceneObject
     from .roads.geodata import save_map
-    from .scenario import Scenario, load, loads
 
 __version__ = "0.1.0"
 
 __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads", "save_map"]
 
 _HOMES = {
-    "Scene": ".data.scene", "SceneObject": ".data.scene", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
+    "Scene": ".data.scene", "SceneObject": ".data.scene", "Scenario": ".api", "load": ".api", "loads": ".api",
     "errors": ".errors", "save_map": ".roads.geodata",
 }
 

@@ -17,13 +17,13 @@ import random
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from .api import Scenario as OurScenario
+from .api import loads
 from .data.scene import Scene as OurScene
 from .data.scene import SceneObject
 from .interpreter.language.dialects import MARK
 from .interpreter.language.modules import read_text
 from .interpreter.language.parser import parse
-from .scenario import Scenario as OurScenario
-from .scenario import loads
 from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
 from .semantics.kernel.scopes import descendants
 from .semantics.kernel.values import Random

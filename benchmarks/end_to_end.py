@@ -17,8 +17,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple
 
-from ..scenario import load
-from .contenders import MeasuredProgram, on_one_thread, python_that_runs
+from ..api import load
+from .implementations import MeasuredProgram, on_one_thread, python_that_runs
 from .own_sampler import Skipped, serve
 from .processes import end
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from .contenders import MeasuredProgram, Ours
+from .implementations import MeasuredProgram, Ours
 
 OBJECTS = (2, 5, 10, 20, 50, 200, 1_000, 2_000)
 POLYGONS = (50, 500, 5_000, 50_000)

@@ -11,7 +11,7 @@ import sys
 import time
 from dataclasses import asdict, dataclass
 
-from ..scenario import Scenario, load
+from ..api import Scenario, load
 from ..simulators.loop import Failed
 from .own_sampler import Sample, serve
 from .released_sampler import peak

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..api import Scenario, load
 from ..inference.batch import Batch
 from ..inference.batch.jobs.worker_pools import GROWTH, LARGEST, QUICK
-from ..scenario import Scenario, load
 from ..semantics.kernel.errors import ScenicError
 from .released_sampler import peak
 

@@ -9,7 +9,7 @@ import tempfile
 from types import TracebackType
 from typing import IO, Any
 
-from .contenders import Contender, MeasuredProgram
+from .implementations import Contender, MeasuredProgram
 
 
 def end(running: subprocess.Popen[str], errors: IO[str]) -> None:

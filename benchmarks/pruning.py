@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 import scenic_ref
-from scenic_ref.benchmarks.narrow import NARROW
+from scenic_ref.api import Scenario
+from scenic_ref.benchmarks.narrow_maps import NARROW
 from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.traced_points import record
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.config import Config
 
 CHOICES = {**{technique: (technique,) for technique in TECHNIQUES}, "the paper's": PAPER, "all": TECHNIQUES}

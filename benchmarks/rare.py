@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import scenic_ref
+from scenic_ref.api import Scenario
 from scenic_ref.benchmarks.results import GALLERY, print_head, print_row, save
 from scenic_ref.inference.result import Inferred
-from scenic_ref.scenario import Scenario
 
 YARD = """
 yard = PolygonalRegion([0@0, 14@0, 14@6, 6@6, 6@10, 0@10])

@@ -13,8 +13,8 @@ from .completing import one_of
 from .options import DebugOption, TrustOption
 
 if TYPE_CHECKING:
-    from ..benchmarks.course import CourseRequest
     from ..benchmarks.figures import Figures
+    from ..benchmarks.measurement import CourseRequest
 
 
 def bench(
@@ -70,8 +70,8 @@ def bench(
 
     Exit codes: 0, 1 if nothing could be measured of a program, 2 wrong usage.
     """
-    from ..benchmarks.course import CourseRequest, measure
     from ..benchmarks.end_to_end import FORMATS
+    from ..benchmarks.measurement import CourseRequest, measure
     from ..semantics.kernel.errors import UsageError
     from .session import tell
 
@@ -116,7 +116,7 @@ def check_outputs(programs: Sequence[str], output: str | None, plot: str | None)
 
 def finish(figures: Figures, request: CourseRequest, output: str | None, plot: str | None) -> None:
     """The tables on standard output, the files."""
-    from ..benchmarks.terminal import show
+    from ..benchmarks.terminal_tables import show
     from .files import write
     from .session import tell
 
@@ -126,6 +126,6 @@ def finish(figures: Figures, request: CourseRequest, output: str | None, plot: s
     if output is not None:
         write(output, json.dumps(figures.json(request.json()), indent=1) + "\n")
     if plot is not None and any(cell.rate is not None for cell in figures.cells):
-        from ..benchmarks.bars import bars
+        from ..benchmarks.bar_chart import bars
 
         write(plot, bars(figures, format=Path(plot).suffix[1:].lower()))

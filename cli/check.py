@@ -142,7 +142,7 @@ class Compared(NamedTuple):
 
 def compared(source: Source, asked: Compared, report: str | None, junit: str | None) -> Verdict:
     """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
-    from ..testing.judging import judged
+    from ..testing.judge import judged
     from .check_reports import check_report_paths, write_junit, write_page
     from .references import References, replay_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from ..scenario.diagnosing import Diagnostic, checked, of_error, of_warning
+from ..api.diagnostics import Diagnostic, checked, of_error, of_warning
 from ..semantics.kernel.errors import ScenicError, UsageError
 from ..semantics.kernel.suggestions import did_you_mean
 from .diagnostics import FORMATS

@@ -8,9 +8,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 from .. import __version__
+from ..api.diagnostics import Diagnostic, record
 from ..data.scene import in_json, in_utf8
 from ..interpreter.language.lint import KINDS
-from ..scenario.diagnosing import Diagnostic, record
 from .session import escaped
 
 SCHEMA = "scenic-ref/diagnostics/1"

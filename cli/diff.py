@@ -30,9 +30,9 @@ from .options import (
 )  # fmt: skip
 
 if TYPE_CHECKING:
+    from ..api import Scenario
     from ..conformance.external import External
     from ..conformance.looking import AskedProgram, ProgramVerdict
-    from ..scenario import Scenario
 
 DEFAULT_BUDGET = 60.0
 DEFAULT_FINENESS = 0.1

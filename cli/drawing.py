@@ -10,10 +10,10 @@ from functools import cache, cached_property
 from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..api.diagnostics import warnings_about
 from ..data.scene import Scene, scene_of
 from ..interpreter.language.dialects import DEFAULT, DIALECTS
 from ..interpreter.runtime.program_run import Accepted, Witness
-from ..scenario.noticing import warnings_about
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value
 from ..semantics.kernel.driving import Arrived, drive_machine
@@ -33,10 +33,10 @@ from .options import Source
 from .session import escaped, tell
 
 if TYPE_CHECKING:
+    from ..api import Scenario
     from ..inference.batch import Batch, Block
     from ..inference.batch.jobs.block_tables import Tables
     from ..inference.batch.jobs.scene_lines import Lines
-    from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
 MOST_WARNINGS = 10

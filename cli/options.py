@@ -13,7 +13,7 @@ from ..interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, secon
 from .completing import alternatives, dialects, models, profiles, words
 
 if TYPE_CHECKING:
-    from ..scenario import Scenario
+    from ..api import Scenario
     from .session import Session
 
 DEFAULT_FUEL = 5_000_000
@@ -94,9 +94,9 @@ class Source:
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
+        from ..api.loading import scenario_of
         from ..inference.batch.torch_devices import check_device
         from ..interpreter.runtime.process_sandbox import WALL
-        from ..scenario.loading import scenario_of
 
         if self.device is not None:
             check_device(self.device)  # which also prepares it: CUDA takes more of the address space than the wall leaves

@@ -15,7 +15,7 @@ from .files import write
 from .progress import Progress
 
 if TYPE_CHECKING:
-    from ..scenario import Scenario
+    from ..api import Scenario
 
 MOST = 50
 """The most simulations on a page."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
+from ..api import FEW
 from ..data.table_files import SUFFIXES
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.batch.jobs.worker_pools import Workers, cluster, processes
@@ -14,7 +15,6 @@ from ..inference.batch.numpy_evaluator import leavers
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..pictures.notebook_views import counted
-from ..scenario import FEW
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .errors import WORST

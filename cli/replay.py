@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from ..api import Scenario
 from ..data.recording_reader import Recording, recording_from
 from ..inference.simulation_rejection import SampledRun
-from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from ..simulators import by_name
 from ..simulators.protocol import Simulator

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from ..api.simulations import SimulationBackend
 from ..pictures.notebook_views import counted
-from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name

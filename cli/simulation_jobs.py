@@ -10,12 +10,12 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..api.simulations import SimulationBackend
 from ..data.simulation import to_line
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.batch.jobs.worker_pools import Workers
 from ..inference.simulation_rejection import SampledRun
 from ..pictures.replay_pages import land_below
-from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError, ScenicError
 from ..simulators import by_name
@@ -66,7 +66,7 @@ ALL_COMPILED = Uncompiled((), {}, Counter(), Counter(), 0)
 class ReportedRun:
     """A simulation as its line of JSON ("" if none was wanted) and in a few words, what failed in other attempts, what the accepted one printed.
 
-    `land` is what lies below the objects, for a page (`formats.replay_pages`); `left` what was left to the machine in its process so far;
+    `land` is what lies below the objects, for a page (`pictures.replay_pages`); `left` what was left to the machine in its process so far;
     `run` the simulation itself, in the process that ran it.
     """
 

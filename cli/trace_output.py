@@ -9,13 +9,13 @@ from importlib.resources import files
 from itertools import islice
 from typing import NamedTuple
 
+from ..api import Scenario
 from ..data.scene import in_json
 from ..data.simulation import Simulated
 from ..inference.rejection import sample
 from ..inference.simulation_rejection import NextScene, attempts_at
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.trace import Event, Trace, finite
-from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
 from ..simulators.loop import Failed

@@ -8,15 +8,15 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from ..api import Scenario
 from ..inference.comparison import compare
 from ..inference.comparison.feature_names import matching
 from ..inference.comparison.scene_columns import leaves
-from ..scenario import Scenario
 from ..semantics.kernel.classes import view_distance
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
 from ..semantics.kernel.scopes import descendants
 from ..semantics.syntax import dynamics
-from ..testing.judging import judged, verdict_on_none
+from ..testing.judge import judged, verdict_on_none
 from .external import External
 from .implementation import NeverAccepted, Refused, SceneRecord, Task, Unsupported
 from .looking import AT_ONCE, AskedProgram, DiffSettings, ProgramVerdict, loaded, looked, of_errors, of_verdict

@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
+from ..api import Scenario
 from ..inference.comparison import Verdict
-from ..scenario import Scenario
 from ..semantics.kernel.errors import ProgramError, UsageError
 from ..semantics.readings import READINGS, select
 from .explaining import fewest

@@ -10,13 +10,13 @@ from tempfile import TemporaryDirectory
 from typing import Literal
 
 from .. import __version__
+from ..api import Scenario, loads
 from ..data.simulation import Simulated, to_json
 from ..inference.rejection import counting
 from ..interpreter.language.dialects import DIALECTS
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, run
 from ..interpreter.runtime.trace import Trace
-from ..scenario import Scenario, loads
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
 from ..semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck
 from ..semantics.space.vectors import Vector

@@ -7,14 +7,14 @@ import time
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+from ..api import Scenario
 from ..data.simulation import to_json
 from ..inference.comparison import compare
 from ..inference.comparison.impossible_values import constants_of
 from ..inference.comparison.known_features import Facts
 from ..inference.comparison.scene_columns import features_table
-from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, UsageError
-from ..testing.judging import MOST_RUNS
+from ..testing.judge import MOST_RUNS
 from .external import External
 from .implementation import NeverAccepted, Refused, SimulationRecord
 from .looking import AT_ONCE, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict

@@ -16,10 +16,10 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import BinaryIO
 
+from ..api import loads
+from ..api.diagnostics import checked, of_error, of_warning, record
 from ..interpreter.runtime.limits import Limits
 from ..interpreter.runtime.process_sandbox import WALL
-from ..scenario import loads
-from ..scenario.diagnosing import checked, of_error, of_warning, record
 from ..semantics.kernel.errors import RunError, ScenicError
 
 Request = Mapping[str, object]

@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .asserting import REFERENCE_SEED, assert_same_distribution, same_distribution
-    from .simulators import BrokenContract, check_simulator
+    from .judge import REFERENCE_SEED, assert_same_distribution, same_distribution
+    from .simulator_contract import BrokenContract, check_simulator
 
 __all__ = ["REFERENCE_SEED", "BrokenContract", "assert_same_distribution", "check_simulator", "same_distribution"]
 
@@ -26,5 +26,5 @@ def __getattr__(name: str) -> object:
 
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = ".simulators" if name in ("BrokenContract", "check_simulator") else ".asserting"
+    home = ".simulator_contract" if name in ("BrokenContract", "check_simulator") else ".judge"
     return getattr(import_module(home, __name__), name)

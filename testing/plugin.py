@@ -26,10 +26,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 if TYPE_CHECKING:
+    from ..api import Scenario
     from ..data.scene import Scene
-    from ..scenario import Scenario
     from ..semantics.kernel.errors import ScenicError
-    from .kept import KeptScenes, SceneNumber
+    from .failed_scenes import KeptScenes, SceneNumber
 
 PACKAGE = Path(__file__).parent.parent
 LOADED_BY = ("dialect", "profile", "readings", "params", "model", "trust", "fuel", "scenario")
@@ -55,7 +55,7 @@ class NamedProgram(NamedTuple):
 
     def load(self) -> Scenario:
         """The scenario. Raises the program's error."""
-        from ..scenario import load, loads
+        from ..api import load, loads
 
         if self.file is not None:
             return load(self.file, **self.options)  # type: ignore[arg-type]
@@ -91,14 +91,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """The marker; what keeps scenes, in the process that hears of all tests."""
     config.addinivalue_line("markers", MARKER)
     if not hasattr(config, "workerinput"):
-        from .kept import SceneKeeper
+        from .failed_scenes import SceneKeeper
 
         config.pluginmanager.register(SceneKeeper(config), "scenic-scenes")
 
 
 def kept_scenes(config: pytest.Config) -> KeptScenes:
     """The scenes that are kept from earlier runs, read once."""
-    from .kept import KeptScenes
+    from .failed_scenes import KeptScenes
 
     if KEPT not in config.stash:
         config.stash[KEPT] = KeptScenes(config)
@@ -183,7 +183,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     except pytest.UsageError:
         return
     if found is not None:
-        from .kept import SceneNumber
+        from .failed_scenes import SceneNumber
 
         numbers = [*kept_scenes(metafunc.config).of(metafunc.definition.nodeid), *(SceneNumber(found.seed, n) for n in range(found.scenes))]
         numbers = list(dict.fromkeys(numbers))
@@ -313,7 +313,7 @@ def scene_number(item: pytest.Item) -> SceneNumber | None:
 
 def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) -> None:
     """Add to a report what is to be kept of its scene, and of a failure the scene for the reader."""
-    from .kept import ATTRIBUTE
+    from .failed_scenes import ATTRIBUTE
 
     found = marked(item, item.config, item.path)
     if found is None or not item.stash.get(TRIED, False) or not (report.failed or (report.passed and report.when == "call")):

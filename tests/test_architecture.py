@@ -37,13 +37,13 @@ ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics"
 TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
     "matplotlib": {
-        "pictures/notebook_views.py", "data/scene.py", "scenario/showing.py",
+        "pictures/notebook_views.py", "data/scene.py", "api/scenario.py",
         "pictures/chain_plots.py", "pictures/side_by_side.py", "pictures/map_layers.py", "pictures/scene_figures.py", "pictures/map_figures.py", "pictures/movies.py",
-        "docs/contact_sheets.py", "benchmarks/bars.py",
+        "docs/contact_sheets.py", "benchmarks/bar_chart.py",
     },
     "PIL": {"pictures/movies.py"},
-    "pygments": {"editors/pygments_lexer.py"}, "pyarrow": {"data/table_files.py", "scenario/drawn.py"},
-    "pandas": {"scenario/drawn.py"}, "polars": {"scenario/drawn.py"},
+    "pygments": {"editors/pygments_lexer.py"}, "pyarrow": {"data/table_files.py", "api/scene_iterator.py"},
+    "pandas": {"api/scene_iterator.py"}, "polars": {"api/scene_iterator.py"},
     "distributed": {"inference/batch/jobs/worker_pools.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/pymunk_simulator.py"}, "sumo": {"simulators/sumo_simulator.py"}, "traci": {"simulators/sumo_simulator.py"},
     "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
@@ -284,7 +284,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
 def test_the_core_needs_none_of_the_extras():
     """Nor SciPy's statistics, more than a third of what was imported once; nor do commands that draw."""
     heavy = ("torch", "pyro", "pymunk", "pyarrow", "numba", "matplotlib", "scipy.stats")
-    code = f"import sys, scenic_ref.scenario, scenic_ref.cli.run, scenic_ref.cli.simulating; print([m for m in {heavy} if m in sys.modules])"
+    code = f"import sys, scenic_ref.api, scenic_ref.cli.run, scenic_ref.cli.simulating; print([m for m in {heavy} if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip() == "[]"
 
 
@@ -300,7 +300,7 @@ def test_one_loop_drives_the_machine():
     assert set(loops) - TIME == {"semantics/kernel/driving.py"}
 
 
-TIME = {"simulators/pymunk_simulator.py", "testing/simulators.py"}
+TIME = {"simulators/pymunk_simulator.py", "testing/simulator_contract.py"}
 """Their loops go from one time step of a simulator to the next."""
 
 

@@ -8,14 +8,14 @@ from collections import defaultdict
 from collections.abc import Iterator
 from fractions import Fraction
 
+from ...api import Scenario
+from ...api.scene_expressions import NAME, expression_of, law_of, observed
 from ...data.scene import in_json, json_value
 from ...inference.batch.jobs.worker_pools import jobs
 from ...inference.comparison.relations import related, table_of
 from ...inference.enumeration import Enumeration
 from ...inference.rejection import DEFAULT_ATTEMPTS
 from ...interpreter.runtime.program_run import Accepted
-from ...scenario import Scenario
-from ...scenario.observing import NAME, expression_of, law_of, observed
 from ...semantics.kernel.errors import RunsExhausted, UsageError
 from ...semantics.kernel.values import unwrap
 from ..drawing import drawing_of

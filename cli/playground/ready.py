@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...scenario import loads
+from ...api import loads
 from . import work  # noqa: F401 (with all that does the works)
 
 READY = loads("ego = Object at (0, 0)").sample()

@@ -7,10 +7,10 @@ import json
 from collections import Counter
 from pathlib import Path
 
+from ...api.diagnostics import of_error
 from ...data.simulation import to_line
 from ...pictures.replay_pages import land_below, map_below, run_shown
 from ...pictures.scene_figures import check_format, picture
-from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import UsageError
 from ...simulators import SIMULATORS, by_name
 from ...simulators.loop import Failed

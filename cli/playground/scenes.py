@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from ...api.diagnostics import of_warning, warnings_about
 from ...data.scene import Scene
 from ...inference.batch import Block
 from ...inference.batch.jobs.worker_pools import jobs
@@ -15,8 +16,6 @@ from ...inference.comparison.scene_columns import ABSENT, OTHERWISE, leaves, uni
 from ...inference.enumeration import content_of_scene
 from ...inference.rejection import DEFAULT_ATTEMPTS
 from ...interpreter.runtime.program_run import Witness
-from ...scenario.diagnosing import of_warning
-from ...scenario.noticing import warnings_about
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError
 from ...semantics.kernel.outcome import Requirement
 from ...semantics.readings import READINGS

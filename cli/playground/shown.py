@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
+from ...api.diagnostics import Diagnostic, record
 from ...data.scene import OWN_FIELDS, Scene, SceneObject
 from ...inference.enumeration import content_of_scene
 from ...inference.rejection import acceptance
@@ -22,7 +23,6 @@ from ...pictures.scene_figures import (
     window_of,
 )
 from ...roads.network import MapWorkspace
-from ...scenario.diagnosing import Diagnostic, record
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from ...semantics.kernel.outcome import Requirement
 from ...semantics.syntax.nodes import Span

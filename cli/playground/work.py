@@ -7,9 +7,9 @@ import traceback
 from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 
+from ...api.diagnostics import of_error
 from ...data.scene import in_json
 from ...inference.batch.jobs.worker_pools import end_with_parent
-from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
 from .asked import PlayRequest
 from .numbers import draw_values, exact_law

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...api.loading import loads
 from ...interpreter.language.conversion import convert
 from ...interpreter.language.modules import library_of
 from ...interpreter.language.parser import parse
 from ...pictures.side_by_side import Boxes, boxes_of
-from ...scenario.loading import loads
 from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
 from ...semantics.kernel.scopes import descendants
 from ...semantics.syntax.specifiers import WithSpecifier

@@ -6,12 +6,12 @@ import json
 import re
 from collections.abc import Mapping
 
+from ...api.loading import loads
 from ...inference.comparison.comparison import with_law
 from ...inference.comparison.feature_names import SampleNames
-from ...scenario.loading import loads
 from ...semantics.kernel.errors import AttemptsExhausted, ProgramError
 from ...semantics.rules import RULES, SILENT
-from ...testing.judging import enumerated
+from ...testing.judge import enumerated
 from ..looking import loaded
 from .causes import ENDED, Cause
 from .examining import ATTEMPTS, FUEL, OUR_FAULT, CampaignSettings

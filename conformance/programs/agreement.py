@@ -18,6 +18,7 @@ from itertools import accumulate
 from multiprocessing import get_context
 from typing import Literal
 
+from ...api import Scenario
 from ...data.scene import Scene, scene_of
 from ...inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...inference.enumeration import Enumeration, content_of_scene
@@ -25,7 +26,6 @@ from ...interpreter.language.parser import parse
 from ...interpreter.runtime.answerers import from_stream
 from ...interpreter.runtime.program_run import Accepted, Chooser, run
 from ...interpreter.runtime.random_streams import Stream, fold, mix
-from ...scenario import Scenario
 from ...semantics.kernel.errors import AttemptsExhausted
 from ...semantics.kernel.outcome import Draw
 from ...semantics.space.distributions import Uniform

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from ...api import Scenario
 from ...data.scene import Scene, scene_of
 from ...interpreter.runtime.answerers import from_stream, from_trace
 from ...interpreter.runtime.program_run import Accepted, Chooser, run
-from ...scenario import Scenario
 from ...semantics.kernel.outcome import Draw, Outcome
 
 Address = tuple[int, ...]

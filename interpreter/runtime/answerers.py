@@ -30,7 +30,7 @@ def replaced(draw: Draw, draws: Draws) -> Draw:
 def from_stream(seed: int, scene: int, attempt: int | Callable[[tuple[int, ...]], int], draws: Draws = AS_THEY_ARE) -> Chooser:
     """Answers with the numbers of (seed, scene, attempt, address): the scene depends on nothing else but `draws`.
 
-    Where rejection is factorised (see `inference.batch.evaluate.components`), `attempt` says which it is for each address.
+    Where rejection is factorised (see `inference.batch.factorised_rejection`), `attempt` says which it is for each address.
     """
     once = Stream(seed, scene, PER_SCENE)
     stream = Stream(seed, scene, attempt) if isinstance(attempt, int) else None

@@ -6,6 +6,7 @@ import math
 
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted, block_rejection
 from scenic_ref.inference.batch.block_rejection import BlockDrawing
@@ -14,7 +15,6 @@ from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.inference.comparison.exact_laws import Categorical, evidence
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 
 LEVEL = 1e-9

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import scenic_ref
+from scenic_ref.api import Backend
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.batch.graph import Crowd
-from scenic_ref.scenario import Backend
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.scenes import neighbours
 from scenic_ref.semantics.space import crowds

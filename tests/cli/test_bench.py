@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.benchmarks import course
-from scenic_ref.benchmarks.bars import bars
-from scenic_ref.benchmarks.contenders import Ours
+from scenic_ref.benchmarks import measurement
+from scenic_ref.benchmarks.bar_chart import bars
 from scenic_ref.benchmarks.end_to_end import FEWEST, FIRST, LARGEST, Commands, RunCost, TimedCommand, WritingTask, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
+from scenic_ref.benchmarks.implementations import Ours
 from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
 from scenic_ref.benchmarks.processes import Process
 from scenic_ref.interpreter.runtime.optional_packages import is_installed
@@ -51,7 +51,7 @@ def fake(tmp_path: Path) -> Path:
 @pytest.fixture
 def two_backends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Measure only what needs no compiling."""
-    monkeypatch.setattr(course, "ours", lambda numba, torch, prune: iter([Ours("interpreter"), Ours("numpy")]))
+    monkeypatch.setattr(measurement, "ours", lambda numba, torch, prune: iter([Ours("interpreter"), Ours("numpy")]))
 
 
 def cells_of(path: Path) -> dict[tuple[str, str], dict]:

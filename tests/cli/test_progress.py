@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from scenic_ref.api import loads
 from scenic_ref.cli import progress
 from scenic_ref.cli.drawing import Drawing
 from scenic_ref.cli.production import BatchForesight, SceneRequest
 from scenic_ref.cli.progress import Progress
-from scenic_ref.scenario import loads
 
 
 @pytest.fixture

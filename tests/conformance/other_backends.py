@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from zlib import crc32
 
+from scenic_ref.api import Scenario
 from scenic_ref.conformance import Ourselves
 from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord, Task
 from scenic_ref.conformance.ourselves import load, told
@@ -19,10 +20,9 @@ from scenic_ref.conformance.recorded_world import RecordedWorld, World
 from scenic_ref.conformance.serving import serve
 from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.batch import block_rejection
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.testing import same_distribution
-from scenic_ref.testing.judging import enumerated
+from scenic_ref.testing.judge import enumerated
 
 COMPILED = 4
 """One program of so many is compiled by numba, at once; the others are drawn on columns."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from scenic_ref.api import Scenario, loads
 from scenic_ref.cli import answer
 from scenic_ref.conformance import looking
 from scenic_ref.conformance.implementation import Task
@@ -19,7 +20,6 @@ from scenic_ref.conformance.process import ImplementationFault
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
 from scenic_ref.conformance.replaying import Replayed, all_on_one_side, in_simulations, of_simulations
 from scenic_ref.interpreter.language.dialects import DIALECTS
-from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.readings import select
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from scenic_ref.api import loads
 from scenic_ref.cli import answer
 from scenic_ref.cli.fuzz import seconds_in
 from scenic_ref.conformance import external, process
@@ -26,7 +27,6 @@ from scenic_ref.conformance.fuzzing.saving import draft_of, passage_of
 from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, CheckError, ParseError, ProgramError, UsageError
 
 OTHER = """

@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from scenic_ref.api import Scenario
 from scenic_ref.conformance import Ourselves
 from scenic_ref.conformance.implementation import Task
 from scenic_ref.inference.batch import block_rejection
 from scenic_ref.inference.enumeration import Enumeration
 from scenic_ref.inference.simulation_rejection import SampledRun
-from scenic_ref.scenario import Scenario
 
 from .other_backends import Differs, OtherBackends
 

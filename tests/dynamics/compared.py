@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import scenic_ref
+from scenic_ref.api.simulations import SimulationBackend
 from scenic_ref.data.simulation import to_line
-from scenic_ref.scenario.simulating import SimulationBackend
 from scenic_ref.semantics.kernel.errors import ScenicError
 from scenic_ref.simulators.loop import Failed
 

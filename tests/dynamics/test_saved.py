@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario
 from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
 from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import drive
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.dynamics.policy import after_one_step, begin, policy
 from scenic_ref.semantics.kernel.config import State
 from scenic_ref.semantics.kernel.errors import UsageError

@@ -24,8 +24,8 @@ from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
 
+from scenic_ref.api.scenario import Scenario
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.scenario.scenario import Scenario
 from scenic_ref.semantics.kernel import allowed, budget, errors
 from scenic_ref.semantics.python.builtins import EXCEPTION_NAMES
 from scenic_ref.semantics.syntax import Program

@@ -31,7 +31,7 @@ def test_a_program_cannot_make_what_the_machine_makes(expression):
 
 
 def test_every_class_that_type_may_give_is_one_that_a_program_has_by_name_or_cannot_call():
-    for module in ("maps.reading", "simulators.actions", "interpreter.modules"):
+    for module in ("roads.network_builder", "simulators.actions", "interpreter.language.modules"):
         import_module(f"scenic_ref.{module}")
     named = {v for v in BUILTINS.values() if isinstance(v, type)} | {Counter, OrderedDict, deque}
     found = {c for c in gc.get_objects() if issubclass(type(c), type) and str(c.__module__).startswith("scenic_ref.") and allowed.is_known(c)}

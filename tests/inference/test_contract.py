@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario, loads
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.data.scene import Scene
@@ -26,7 +27,6 @@ from scenic_ref.inference.moves.states import States
 from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.rejection import acceptance
 from scenic_ref.inference.result import LEVEL, Probability
-from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scipy import stats
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario, loads
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.data.scene import scene_of
@@ -18,7 +19,6 @@ from scenic_ref.inference.moves.proposals import EXCHANGE, REDRAW, STEP, Moves, 
 from scenic_ref.inference.moves.states import States
 from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.smc import moves_of
-from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scenic_ref.semantics.space.regions import PolygonalRegion
 from scenic_ref.semantics.space.vectors import Vector

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
+from scenic_ref.api import Scenario
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, Block
 from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
 from scenic_ref.inference.batch.primitives.random_numbers import Numbers
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scenic_ref.semantics.space.numeric import arc_tangent, exponential, exponential_less_one, logarithm, logarithm_of_one_more
 from scipy import special

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario
 from scenic_ref.data.scene import scene_of
 from scenic_ref.data.simulation import to_line
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Beginnings, run
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel import budget
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.errors import ScenicError

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from scenic_ref.scenario import Scenario, loads
-from scenic_ref.scenario.noticing import warnings_about
+from scenic_ref.api import Scenario, loads
+from scenic_ref.api.diagnostics import warnings_about
 from scenic_ref.semantics.kernel.errors import ScenicError
 from scenic_ref.semantics.syntax import Span
 

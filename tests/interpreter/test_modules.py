@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.scenario import loads
+from scenic_ref.api import loads
 from scenic_ref.semantics.kernel.errors import ImportRefused, ProgramError, RunError, ScenicError, UncaughtException
 from scenic_ref.semantics.python.imports import beside, package_of, path_of
 

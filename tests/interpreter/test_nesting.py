@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 
 import pytest
+from scenic_ref.api import loads
 from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.language.conversion import convert
 from scenic_ref.interpreter.language.nesting import LIMIT
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import drive
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.dynamics.policy import begin
 from scenic_ref.semantics.kernel.errors import ParseError
 from scenic_ref.semantics.kernel.outcome import Done

@@ -7,11 +7,11 @@ import warnings
 from pathlib import Path
 
 import pytest
+from scenic_ref.api import load, loads
+from scenic_ref.api.diagnostics import warnings_about
+from scenic_ref.api.loading import scenario_of
 from scenic_ref.conformance import load_vectors
 from scenic_ref.interpreter.language.lint import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
-from scenic_ref.scenario import load, loads
-from scenic_ref.scenario.loading import scenario_of
-from scenic_ref.scenario.noticing import warnings_about
 from scenic_ref.semantics.kernel.errors import ScenicError
 
 ONE = "Uniform draws one of its arguments, and this is one: always the whole list"

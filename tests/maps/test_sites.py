@@ -11,12 +11,12 @@ from types import SimpleNamespace
 import pytest
 import scenic_ref
 import shapely
+from scenic_ref.api.diagnostics import warnings_about
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UsageError
 from scenic_ref.pictures.map_figures import site_picture
 from scenic_ref.roads.geodata import in_metres, of_geojson, read_site, without_files
 from scenic_ref.roads.user_maps import SiteMap
 from scenic_ref.roads.xml_elements import MapError
-from scenic_ref.scenario.noticing import warnings_about
 
 ROOT = Path(__file__).parents[2]
 YARD = ROOT / "examples" / "maps" / "yard.geojson"

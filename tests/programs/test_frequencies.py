@@ -10,10 +10,10 @@ import os
 
 import pytest
 from hypothesis import given
+from scenic_ref.api import loads
 from scenic_ref.conformance.programs import ProgramSettings
 from scenic_ref.conformance.programs.agreement import Rival, agreement
 from scenic_ref.conformance.programs.strategies import finite_programs
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 

@@ -12,10 +12,10 @@ from functools import cache
 
 import pytest
 from hypothesis import HealthCheck, find, settings
+from scenic_ref.api import Scenario
 from scenic_ref.conformance.programs import Choices, ProgramSettings, generate, random_program, random_programs
 from scenic_ref.conformance.programs.permuting import nodes
 from scenic_ref.conformance.programs.strategies import programs
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 from scenic_ref.semantics.syntax import Node, Program, expressions, python_expressions, specifiers, statements
 

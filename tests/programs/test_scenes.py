@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scenic_ref.api import Scenario, loads
 from scenic_ref.conformance.programs.replaying import first_accepted, replayed
 from scenic_ref.conformance.programs.strategies import programs
 from scenic_ref.data.scene import Scene
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 

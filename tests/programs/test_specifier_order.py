@@ -12,12 +12,12 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scenic_ref.api import loads
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.conformance.programs.choices import SeededChoices
 from scenic_ref.conformance.programs.permuting import has_order, permuted
 from scenic_ref.conformance.programs.strategies import finite_programs
 from scenic_ref.data.scene import Scene
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 

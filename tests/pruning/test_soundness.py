@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
+from scenic_ref.api import Scenario
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import Pruning, accepted_facts, analysis, prune
@@ -18,7 +19,6 @@ from scenic_ref.inference.pruning.traced_points import Recorded, record
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
-from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.space.distributions import PointIn
 from scenic_ref.semantics.space.symbols import NotLifted

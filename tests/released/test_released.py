@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from scenic_ref.api import loads
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.printer import to_source
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError
 from scenic_ref.semantics.space.vectors import Vector
 

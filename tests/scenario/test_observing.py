@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
+from scenic_ref.api.scene_expressions import NAME, expression_of, law_of, observed
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
-from scenic_ref.scenario.observing import NAME, expression_of, law_of, observed
 from scenic_ref.semantics.kernel.errors import FuelExhausted, ParseError, RunError, UsageError
 from scenic_ref.semantics.kernel.values import unwrap
 

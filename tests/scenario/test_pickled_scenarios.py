@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.scenario import Scenario
+from scenic_ref.api import Scenario
 from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
 
 TEXT = """

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from scenic_ref.scenario import loads
+from scenic_ref.api import loads
 from scenic_ref.semantics.kernel import errors
 
 from .stepping import stepping

@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from scenic_ref.api import loads
 from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.implementation import NeverAccepted, Refused
 from scenic_ref.conformance.ourselves import Ourselves, load, loaded, traced
@@ -23,7 +24,6 @@ from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.interpreter.runtime import trace
-from scenic_ref.scenario import loads
 from scenic_ref.semantics import step
 from scenic_ref.semantics.kernel.errors import ScenicError
 from scenic_ref.semantics.space.distributions import continuous

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 
+from scenic_ref.api import loads
 from scenic_ref.data.simulation import to_line
-from scenic_ref.scenario import loads
 
 PROGRAM = """
 ego = Object at 1 @ 2

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.inference.batch import Batch
-from scenic_ref.testing import kept, plugin
+from scenic_ref.testing import failed_scenes, plugin
 
 pytest_plugins = ["pytester"]
 ROOT = Path(__file__).parent.parent.parent
@@ -172,7 +172,7 @@ def test_what_is_broken_in_the_cache_is_passed_over(run: Run, pytester: pytest.P
 
 def test_only_some_scenes_are_kept_of_a_test(run: Run, pytester: pytest.Pytester):
     run("--scenic-scenes", "30", test_a=TESTS.replace("< 0.5", "< 0"))
-    assert len(files(pytester)) == kept.MOST_KEPT == 20
+    assert len(files(pytester)) == failed_scenes.MOST_KEPT == 20
 
 
 def test_a_folder_that_cannot_be_written_keeps_nothing(run: Run, pytester: pytest.Pytester):
@@ -289,7 +289,7 @@ def test_pytest_finds_the_plugin_and_it_loads_nothing_that_no_test_asks_for(tmp_
     )
     variables = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     said = subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, env=variables, capture_output=True, text=True, check=True).stdout
-    assert set(said.splitlines()[-1].split()) == {"scenic_ref", "scenic_ref.testing", "scenic_ref.testing.plugin", "scenic_ref.testing.kept"}
+    assert set(said.splitlines()[-1].split()) == {"scenic_ref", "scenic_ref.testing", "scenic_ref.testing.plugin", "scenic_ref.testing.failed_scenes"}
 
 
 # What is documented
@@ -307,7 +307,7 @@ def test_the_example_of_the_page_does_what_it_says(run: Run, pytester: pytest.Py
         [line.replace("[", "[[]") for line in shown.splitlines()]
     )
     assert all(f"`{name}`" in page for name in plugin.LOADED_BY)
-    assert f"At most {kept.MOST_KEPT} are kept" in page
+    assert f"At most {failed_scenes.MOST_KEPT} are kept" in page
 
 
 def test_a_wrong_marker_is_an_error_of_that_test_alone(run: Run) -> None:

@@ -1,6 +1,6 @@
 """Columns as tables: the rows of the objects of a block, without making the scenes one by one.
 
-What comes out is what `formats.tables.columns_of` gives for these scenes, in the same types.
+What comes out is what `data.scene_tables.columns_of` gives for these scenes, in the same types.
 """
 
 from __future__ import annotations

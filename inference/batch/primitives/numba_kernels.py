@@ -103,7 +103,7 @@ copy_bytes: Any = intrinsic(_copy)
 
 @compile_
 def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
-    """The four numbers in [0, 1) of a block, as `interpreter.streams` defines them."""
+    """The four numbers in [0, 1) of a block, as `interpreter.runtime.random_streams` defines them."""
     k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
     for _ in range(ROUNDS):
         high0, low0, high1, low1 = high_word(_M0, c0), _M0 * c0, high_word(_M1, c2), _M1 * c2

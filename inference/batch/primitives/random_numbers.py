@@ -1,4 +1,4 @@
-"""Columns of random numbers: those of `interpreter.streams`, for many scenes and attempts at a time."""
+"""Columns of random numbers: those of `interpreter.runtime.random_streams`, for many scenes and attempts at a time."""
 
 from __future__ import annotations
 

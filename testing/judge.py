@@ -11,6 +11,7 @@ from pathlib import Path
 
 from scipy.special import betaincinv
 
+from ..api import Scenario
 from ..data.scene import Scene
 from ..inference.comparison import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
 from ..inference.comparison.comparison import check_settings, with_law
@@ -23,12 +24,50 @@ from ..inference.comparison.scene_columns import leaves
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..interpreter.language.dialects import DIALECTS
-from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.readings import select
 
 REFERENCE_SEED = 20_190_625
+def same_distribution(
+    samples: Samples, scenario: Scenario, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, seed: int = REFERENCE_SEED,
+    tolerance: float = DEFAULT_TOLERANCE, ignore: Sequence[str] = (), map: Mapping[str, str] | None = None, reference: Reference | None = None,
+) -> Verdict:  # fmt: skip
+    """Whether `samples` (scenes, or the path of a file of them) were drawn from the distribution of `scenario`.
+
+    P("different") <= `alpha` if they were. A program with at most a few thousand runs is enumerated, and the samples are compared with
+    the exact law; for any other, as many scenes are drawn with `seed` as there are samples, or taken from `reference`. What does not depend on
+    any draw must be the same in every sample, and what does must be what a draw can give. Numbers that differ by at most `tolerance` (relative
+    to the larger of them and 1) are equal, so that samples may be rounded. The features `ignore` are not compared; `map` gives the program's
+    names for what the samples call features and classes otherwise.
+    Raises `UsageError` for samples that cannot be compared, and the program's errors.
+    """
+    if not isinstance(scenario, Scenario):
+        raise UsageError(f"samples are compared with a scenario, not with a {type(scenario).__name__}", hint="scenic_ref.load(path) gives one")
+    return judged(
+        samples, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, tolerance=tolerance, ignore=ignore, map=map, reference=reference,
+    )  # fmt: skip
+
+
+def assert_same_distribution(
+    samples: Samples, scenario: Scenario, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, seed: int = REFERENCE_SEED,
+    tolerance: float = DEFAULT_TOLERANCE, ignore: Sequence[str] = (), map: Mapping[str, str] | None = None, reference: Reference | None = None,
+    inconclusive: str = "fail",
+) -> Verdict:  # fmt: skip
+    """`same_distribution`, as an assertion whose message names the worst feature and how to replay it.
+
+    An inconclusive comparison fails as well, since it has not shown what was asked, unless `inconclusive` is "pass".
+    """
+    if inconclusive not in ("fail", "pass"):
+        raise UsageError(f'inconclusive is "fail" or "pass", not {inconclusive!r}')
+    verdict = same_distribution(
+        samples, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, tolerance=tolerance, ignore=ignore, map=map, reference=reference,
+    )  # fmt: skip
+    if verdict.kind == "different" or (verdict.kind == "inconclusive" and inconclusive == "fail"):
+        raise AssertionError(str(verdict))
+    return verdict
+
+
 MOST_RUNS = 2_000
 DRAWN_FOR_NONE = 20
 """Scenes that are drawn to find out how likely a scene is, if the samples hold none."""
@@ -56,7 +95,7 @@ def judged(
         told = scenario.impossible.message.removeprefix("no scene is possible: ")
         return without_comparison(f"the program has no scenes, but the samples do: {told}", alpha, detect_tv, seed, again)
     check_columns(first, scenario, names)
-    classes = frozenset(str(value) for name, value in scenario.constants.items() if name.endswith(".class"))
+    classes = frozenset(str(value) for name, value in api.scenario.items() if name.endswith(".class"))
     names = SampleNames(names.ignore, names.map, classes)
     facts = scenario.facts.without(names.ignored)
     law = None if reference is not None else enumerated(scenario)
@@ -164,5 +203,4 @@ def replay_of(
         words += [w for theirs, ours in names.map.items() for w in ("--map", f"{theirs}={ours}")]
         return shlex.join(words)
     return f"same_distribution(..., {options}), with the same samples and the same scenario"
-
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from ..interpreter.runtime.optional_packages import is_installed
 from ..semantics.kernel.errors import UsageError
-from .contenders import Contender, MeasuredProgram, Ours, OursOverTime, Released, released
 from .end_to_end import FORMATS, NEED_ARROW, RunToFile
 from .figures import Cell, Figures, load
 from .growth import WHAT, contenders, programs
+from .implementations import Contender, MeasuredProgram, Ours, OursOverTime, Released, released
 from .processes import Process
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"

@@ -11,7 +11,7 @@ from ..interpreter.language.modules import read_text
 from ..interpreter.language.parser import parse
 from ..interpreter.runtime.program_run import DEFAULT_FUEL
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .noticing import given_in_vain
+from .diagnostics import given_in_vain
 from .scenario import Scenario
 
 PATH = re.compile(r"[^\s=()'\"#]+\.scenic")

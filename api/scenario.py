@@ -8,53 +8,164 @@ from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from ..data.scene import Scene, scene_of
+from ..data.recording_reader import Recording
+from ..data.scene import OWN_FIELDS, Scene, json_value, scene_of
+from ..data.simulation import Simulated
 from ..inference.batch import Batch, Block, Impossible, NotLifted
-from ..inference.batch.features import features_in
+from ..inference.batch.evaluation_plan import only_rejects
+from ..inference.batch.features import features_in, supports_of
 from ..inference.batch.jobs.worker_pools import block_of, jobs
+from ..inference.batch.suggested_features import Suggested
 from ..inference.batch.torch_devices import check_device
 from ..inference.comparison.known_features import Facts
-from ..inference.comparison.scene_columns import FeatureTable, features_table
-from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
+from ..inference.comparison.scene_columns import FeatureTable, features_table, leaves
+from ..inference.enumeration import DEFAULT_RUNS, Enumeration, Histories, enumerate_runs, enumerate_simulations
 from ..inference.importance import draw_importance
 from ..inference.mcmc import draw_mcmc
 from ..inference.moves.target import Target
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.result import Inferred
+from ..inference.simulation_rejection import NextScene, SampledRun, sample_simulation
 from ..inference.smc import draw_smc
 from ..interpreter.language.checks import check
 from ..interpreter.language.dialects import DIALECTS
 from ..interpreter.language.modules import library_of, module_named, with_old_imports
 from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
+from ..pictures.notebook_views import line_of_program, page_of_program
+from ..pictures.scene_figures import draw_scenes, size_of
 from ..semantics.kernel.config import Config, Settings, State
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, NoEgo, UsageError
-from ..semantics.kernel.outcome import GivenValues
+from ..semantics.kernel.outcome import Done, GivenValues, Outcome
 from ..semantics.kernel.scopes import descendants
+from ..semantics.kernel.values import unwrap
 from ..semantics.programs import definitions, initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Node, Program, Span
 from ..semantics.syntax.python_expressions import Call, Comparison, Name
 from ..semantics.syntax.statements import Require
+from ..simulators import by_name
+from ..simulators.behaviors.compiled_library import Library
+from ..simulators.loop import Failed, Settled
+from ..simulators.protocol import Simulator
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
-from .checking import check_settings, check_whole, no_backend
+from .argument_checks import check_settings, check_whole, no_backend
 from .conditioning import conditioned
-from .constants import constants_of, facts_of
-from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
-from .for_pyro import pyro_for
-from .over_time import OverTime
-from .pickling import Condition, Portable
-from .showing import Shown
+from .pickling import Condition, reduced
+from .scene_iterator import Backend, Drawn, ToldScenes, drawn, progress_of
+from .simulations import (
+    SimulationBackend,
+    SimulationRange,
+    Told,
+    check_simulation_backend,
+    replayed,
+    simulate_many,
+)
 
 if TYPE_CHECKING:
     import numpy as np
+    from matplotlib.figure import Figure
 
     from ..inference.batch.torch_margins import Margins
     from ..inference.pyro_adapter import NumberModel, SceneKernel
+
+
+class ForPyro(NamedTuple):
+    """What `inference.pyro_adapter` has."""
+
+    kernel: type[SceneKernel]
+    numbers: type[NumberModel]
+    model: Callable[[Callable[[], Config], int], Callable[[], Scene | None]]
+
+
+def pyro_for(what: str) -> ForPyro:
+    """It, once Pyro is imported. Raises `UsageError` without the extra `pyro`: `what` needs it."""
+    try:
+        from ..inference.pyro_adapter import NumberModel, SceneKernel, model_of
+    except ImportError as problem:
+        raise needed(what, "pyro", problem) from None
+    return ForPyro(SceneKernel, NumberModel, model_of)
+
+
+MOST = 100
+"""Scenes in one picture."""
+
+
+def line_of(scenario: Scenario) -> str:
+    """The scenario in one line, with the readings that are not those of its dialect."""
+    usual = select(DIALECTS[scenario.program.dialect].profile)
+    readings = {name: alternative for name, alternative in scenario.readings.items() if usual[name] != alternative}
+    program = scenario.program
+    return line_of_program(program.file, program.dialect, readings, scenario.params, given=scenario.conditioned_from is not None)
+
+
+def plotted(scenario: Scenario, n: int, seed: int) -> Figure:
+    """Draw the first scenes into one figure; see `Scenario.plot`."""
+    import matplotlib.pyplot as plt
+
+    if n > MOST:
+        raise UsageError(f"a picture holds {MOST} scenes at most, not {n:,}")
+    scenes = list(scenario.sample_many(n, seed))
+    rows, columns, side = size_of(n)
+    figure = plt.figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
+    draw_scenes(figure, scenes, None)
+    return figure
+
+
+SCALE, NOISY = "mutationScale", {"position", "heading", "color"}
+"""The property that says whether an object is mutated, and those that mutation changes (rule T-Mutate, reading `mutate-color`)."""
+
+
+def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int) -> dict[str, object]:
+    """The features of the scene format that do not depend on any draw, with their values.
+
+    Which values are random does not depend on what is drawn (reading `random-branch`), so that one accepted run is enough.
+    Raises `AttemptsExhausted` if none is found.
+    """
+    ends: list[State] = []
+
+    def keep(outcome: Outcome, drawn: object) -> None:
+        if isinstance(outcome, Done):
+            ends.append(outcome.state)
+
+    sample(start, 0, 0, max_attempts=max_attempts, fuel=fuel, witnessed=lambda attempt: keep)
+    state = ends[-1]
+    scene = scene_of(state, 0, 0, 1).to_json()
+    params = {name: json_value(value) for name, value in state.params.items() if unwrap(value)[1] is None}
+    objects = scene["objects"]
+    assert isinstance(objects, list)
+    kept = [_constant_part(o, state, i) for i, o in enumerate(objects)]
+    return dict(leaves({"ego": scene["ego"], "params": params, "objects": kept}))
+
+
+def facts_of(constants: dict[str, object], batch: Batch | None, pruned: Draws) -> Facts:
+    """What is known of the scenes: with a graph, also the supports that it shows and the features that it suggests.
+
+    Where runs that the graph does not describe are left to the interpreter, there are no supports.
+    """
+    if batch is None:
+        return Facts(constants)
+    sure = all(map(only_rejects, batch.graph.events))
+    suggested = Suggested(batch.graph, batch.template, pruned, sure=sure)
+    supports = {name: support for name, support in supports_of(batch.template).items() if name not in constants} if sure else {}
+    return Facts(constants, {**supports, **suggested.supports}, suggested)
+
+
+def _constant_part(written: dict[str, object], state: State, number: int) -> dict[str, object]:
+    """An object in the scene format, without the properties that depend on a draw."""
+    held = state.objects[state.scene[number].number]
+    fixed = {name for name, value in held.items() if unwrap(value)[1] is None}
+    if SCALE in held and SCALE not in fixed:  # whether there is noise may depend on a draw, and there was none in this run
+        fixed -= NOISY
+    properties = written["properties"]
+    assert isinstance(properties, dict)
+    own = {name: written[name] for name in OWN_FIELDS if name in fixed}
+    return {"class": written["class"], **own, "properties": {name: v for name, v in properties.items() if name in fixed}}
 
 
 def calls(node: Node) -> bool:
@@ -62,7 +173,7 @@ def calls(node: Node) -> bool:
     return isinstance(node, Call) and not (isinstance(node.function, Name) and node.function.name == "abs")
 
 
-class Scenario(Portable, Shown, OverTime):
+class Scenario:
     """A loaded program.
 
     `profile` and `readings` choose among the readings of the paper; without a profile, that of the program's dialect counts.
@@ -340,11 +451,11 @@ class Scenario(Portable, Shown, OverTime):
         return pyro_for("`pyro_kernel`").kernel(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
 
     def pyro_numbers(self, seed: int = 0) -> NumberModel:
-        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.with_pyro.NumberModel`. Raises the same."""
+        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.pyro_adapter.NumberModel`. Raises the same."""
         return pyro_for("`pyro_numbers`").numbers(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
 
     def pyro_model(self) -> Callable[[], Scene | None]:
-        """The scenario as a model of Pyro: see `inference.with_pyro.model_of`. Raises `UsageError` without the extra `pyro`."""
+        """The scenario as a model of Pyro: see `inference.pyro_adapter.model_of`. Raises `UsageError` without the extra `pyro`."""
         self.rehearse()
         return pyro_for("`pyro_model`").model(self.start, self.fuel)
 
@@ -367,3 +478,112 @@ class Scenario(Portable, Shown, OverTime):
             return
         for block in jobs(self.batch, n, seed, start, max_attempts):
             yield features_in(self.batch.template, block)
+
+    def simulate(
+        self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
+        on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
+        backend: SimulationBackend = "compiled", settled: Settled | None = None,
+    ) -> SampledRun:  # fmt: skip
+        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
+
+        `simulator` is one of `simulators.SIMULATORS` by name, or "package.module:Class" (`timestep`, in seconds, is then that of the simulation),
+        or a simulator itself. The `backend` "compiled" runs behaviors as Python code, where that can be, "interpreter" by the machine; the
+        simulations are the same.
+
+        `settled` is shown each time step (a `Moment`: poses, actions, events) when it has passed; a text that it gives ends the simulation in the
+        next one, with the result "settled" and the text as its reason, if nothing else ends it. Requirements over time are judged as they stand
+        then.
+        """
+        check_simulation_backend(backend)
+        check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
+        self.rehearse()
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return sample_simulation(
+            self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
+            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
+            library=self.compiled if backend == "compiled" else None,
+            next_scene=lambda first: self.next_scene(seed, index, first, max_attempts), settled=settled,
+        )  # fmt: skip
+
+    def next_scene(self, seed: int, index: int, first: int, max_attempts: int) -> NextScene | None:
+        """Return the first attempt from number `first` on that gives scene `index`, by the batch backend; None if it cannot draw from the program.
+
+        Raises the program's errors, and `AttemptsExhausted` if it is known that no scene is possible.
+        """
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None or self.in_parts:
+            return None
+        block = self.batch.block(seed, index, index + 1, max_attempts=max_attempts, first=first)
+        if block.error is None:
+            return NextScene(int(block.attempts[0]), block.stuck)
+        if isinstance(block.error, AttemptsExhausted):
+            return NextScene(max_attempts, block.stuck)
+        raise block.error
+
+    @cached_property
+    def compiled(self) -> Library:
+        """What is compiled of the behaviors so far."""
+        return Library(self.readings)
+
+    def simulate_many(
+        self, n: int, *, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, start: int = 0, timestep: float | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, workers: int = 1, progress: Told | None = None, backend: SimulationBackend = "compiled",
+    ) -> Iterator[SampledRun]:  # fmt: skip
+        """Simulations `start` to `start + n - 1` of `seed`, in order: those of `simulate`, and of `scenic-ref simulate -n`, whoever runs them.
+
+        `workers` processes run them (a script needs `if __name__ == "__main__":` then), each with a simulator of its own, which is given by its
+        name. `progress(simulations, attempts)` is told how many there are so far. Errors are raised where one process would raise them.
+        """
+        check_whole(("n", n, 0), ("steps", steps, 0), ("seed", seed, None), ("start", start, 0))
+        check_whole(("max_attempts", max_attempts, 1), ("workers", workers, 1))
+        check_simulation_backend(backend)
+        self.rehearse()
+        which = SimulationRange(start, start + n, seed, steps, timestep, max_attempts, backend)
+        return simulate_many(self, which, simulator, workers, progress)
+
+    def replay(
+        self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None
+    ) -> Simulated:
+        """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
+
+        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken, `AttemptsExhausted` if it is rejected.
+        """
+        self.rehearse()
+        return replayed(self, record, simulator, timestep)
+
+    def enumerate_simulations(
+        self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
+    ) -> Histories:  # fmt: skip
+        """The exact distribution of simulations of at most `steps` time steps; see `inference.enumeration.enumerate_simulations`."""
+        check_whole(("steps", steps, 0), ("max_runs", max_runs, 1))
+        self.rehearse()
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
+
+    def __repr__(self) -> str:
+        return line_of(self)
+
+    def _repr_html_(self) -> str:
+        """The text of the program, for notebooks: nothing is drawn, which could take long."""
+        return page_of_program(line_of(self), self.program.text)
+
+    def plot(self, n: int = 9, seed: int = 0) -> Figure:
+        """A new figure of `matplotlib.pyplot` with the first `n` scenes of `seed` (100 at most), seen from above in metres.
+
+        Raises `UsageError` for other numbers and for coordinates that cannot be drawn, `AttemptsExhausted`, and the program's errors.
+        """
+        check_whole(("n", n, 1), ("seed", seed, None))
+        return plotted(self, n, seed)
+
+    def __copy__(self) -> Scenario:
+        """Another scenario of the same program, which shares what was computed."""
+        found = object.__new__(type(self))
+        found.__dict__.update(self.__dict__)
+        return found
+
+    def __reduce__(self) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
+        """For `pickle`: text, settings, and what was given. Raises `UsageError` for what cannot be pickled."""
+        return reduced(self)
+

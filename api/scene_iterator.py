@@ -18,7 +18,7 @@ from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.runtime.optional_packages import needed
 from ..pictures.notebook_views import counted
 from ..semantics.kernel.errors import UsageError
-from .checking import no_backend
+from .argument_checks import no_backend
 
 if TYPE_CHECKING:
     import pandas

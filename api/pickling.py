@@ -41,20 +41,6 @@ class ScenarioText(NamedTuple):
     modules: Mapping[str, str]
 
 
-class Portable:
-    """What makes a `Scenario` one that can be pickled and copied."""
-
-    def __copy__(self) -> Portable:
-        """Another scenario of the same program, which shares what was computed."""
-        found = object.__new__(type(self))
-        found.__dict__.update(self.__dict__)
-        return found
-
-    def __reduce__(self) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
-        """For `pickle`: text, settings, and what was given. Raises `UsageError` for what cannot be pickled."""
-        return reduced(self)  # type: ignore[arg-type]
-
-
 def reduced(scenario: Scenario) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
     """What makes the scenario again, and its arguments."""
     source = scenario.conditioned_from

@@ -12,11 +12,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
+from ..api import loads
 from ..data.scene import json_value
 from ..data.simulation import Body, Pose
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import drive
-from ..scenario import loads
 from ..semantics.kernel.outcome import Done
 from ..semantics.space.vectors import Vector
 from ..simulators.loop import body_of, surroundings
