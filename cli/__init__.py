@@ -18,7 +18,7 @@ INTERRUPTED = 130
 def interruption(arguments: list[str], finished: str = "") -> str:
     """The message after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and not {"enumerate", "importance", "smc", "mcmc"} & {a.removeprefix("--backend=") for a in arguments}:
-        from .files import LINES
+        from .output_paths import LINES
 
         output = output_in(arguments)
         if output == "-":
@@ -89,7 +89,7 @@ def answer(arguments: list[str]) -> int:
     except BrokenPipeError:
         session.hang_up()
     except Exception as error:  # the outermost place: everything that went wrong is told here
-        from .errors import report
+        from .error_messages import report
 
         return report(error, session)
     return 0

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .completing import one_of
 from .options import DebugOption, TrustOption
+from .shell_completion import one_of
 
 if TYPE_CHECKING:
     from ..benchmarks.figures import Figures
@@ -103,7 +103,7 @@ def bench(
 
 def check_outputs(programs: Sequence[str], output: str | None, plot: str | None) -> None:
     """Raise `UsageError` unless the files can be written."""
-    from .files import PICTURES, check_ending, check_place
+    from .output_paths import PICTURES, check_ending, check_place
 
     for place in (output, plot):
         if place is not None:
@@ -117,7 +117,7 @@ def check_outputs(programs: Sequence[str], output: str | None, plot: str | None)
 def finish(figures: Figures, request: CourseRequest, output: str | None, plot: str | None) -> None:
     """The tables on standard output, the files."""
     from ..benchmarks.terminal_tables import show
-    from .files import write
+    from .output_paths import write
     from .session import tell
 
     if figures.interrupted:

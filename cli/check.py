@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from .completing import one_of
 from .options import (
     DEFAULT_FUEL,
     DEFAULT_MEMORY,
@@ -28,6 +27,7 @@ from .options import (
     pairs,
     read_source,
 )
+from .shell_completion import one_of
 
 if TYPE_CHECKING:
     from ..inference.comparison import Verdict
@@ -109,7 +109,7 @@ def check(
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
-        from .checking import check_program
+        from .diagnostic_formats import check_program
 
         raise typer.Exit(check_program(source, form, session, strict=strict))
     if strict or form != "text":
@@ -144,7 +144,7 @@ def compared(source: Source, asked: Compared, report: str | None, junit: str | N
     """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
     from ..testing.judge import judged
     from .check_reports import check_report_paths, write_junit, write_page
-    from .references import References, replay_of
+    from .reference_scenes import References, replay_of
 
     samples, reference = asked.samples, asked.reference
     read = {"the program itself": source.file, "the file of samples": samples, "the file of references": reference}

@@ -13,8 +13,8 @@ from xml.etree import ElementTree
 from ..inference.comparison import Feature, Verdict
 from ..inference.comparison.scene_columns import unit_of
 from ..semantics.kernel.errors import UsageError
-from .files import check_place, write
 from .options import Source
+from .output_paths import check_place, write
 
 MOST_DRAWN = 8
 MOST_LISTED = 400

@@ -53,7 +53,7 @@ def conformance(
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
-    from .judging import Kept, judge_another
+    from .conformance_results import Kept, judge_another
 
     chosen = selected(load_vectors(), chapter, vector)
     check_dialect(dialect)
@@ -146,7 +146,7 @@ def judged(implementation: Implementation, vectors: Sequence[ConformanceVector],
 def write_report(path: str, name: str, results: Sequence[Result]) -> None:
     """The JSON report. Raises `UsageError` if the file cannot be written."""
     from ..conformance.reports import report
-    from .files import write
+    from .output_paths import write
 
     text = json.dumps(report(name, results), ensure_ascii=False, indent=2)
     if path == "-":
@@ -163,7 +163,7 @@ def show(results: Sequence[Result]) -> None:
     if sys.stdout.isatty():
         show_on_terminal(chapters)
     else:
-        from .columns import columns
+        from .text_columns import columns
 
         print("\n".join(columns(HEADING, [row(c) for c in with_total(chapters)])))
 

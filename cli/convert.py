@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from .completing import dialects, words
 from .options import DebugOption, DialectOption, FileArgument
+from .shell_completion import dialects, words
 
 
 def convert(
@@ -35,7 +35,7 @@ def convert(
     from ..interpreter.language.modules import library_of, read_text
     from ..interpreter.language.parser import parse
     from ..simulators.worlds import WORLDS
-    from .files import check_place, write
+    from .output_paths import check_place, write
 
     choose("", to)  # there is such a dialect
     context.obj.program = file

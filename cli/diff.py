@@ -80,7 +80,7 @@ def diff(
     from ..inference.comparison.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from .conformance import opened
-    from .files import check_ending, check_place
+    from .output_paths import check_ending, check_place
 
     check_settings(alpha, detect_tv, None)
     if not 0 < budget < float("inf"):
@@ -218,7 +218,7 @@ def show(verdict: ProgramVerdict) -> None:
 
 def report(output: str | None, found: list[ProgramVerdict]) -> None:
     """The lines of JSON. Raises `UsageError` if they cannot be written."""
-    from .files import write
+    from .output_paths import write
 
     if output is None:
         return

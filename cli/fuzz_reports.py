@@ -16,7 +16,7 @@ from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
 from ..conformance.fuzzing.judgements import CampaignFindings, JudgedFinding, to_toml
 from ..conformance.fuzzing.saving import draft_of
 from ..pictures.side_by_side import side_by_side
-from .files import write
+from .output_paths import write
 
 FINDINGS = "findings.toml"
 VERDICTS = ("agree", "differ", "inconclusive", "skipped")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from .completing import map_kinds, words
 from .options import DebugOption
+from .shell_completion import map_kinds, words
 
 if TYPE_CHECKING:
     from ..roads.network import Network
@@ -50,7 +50,7 @@ def show_map(
     Exit codes: 0, 1 if --check finds something, 2 wrong usage or a broken map.
     """
     from ..semantics.kernel.errors import UsageError
-    from .files import PICTURES, check_file, check_place, write
+    from .output_paths import PICTURES, check_file, check_place, write
 
     check_file("--plot", plot, "pictures", PICTURES)
     if plot is not None and file is not None:
@@ -110,8 +110,8 @@ def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) ->
     """Say what is on a map of one's own, and draw it."""
     from ..pictures.map_figures import site_picture
     from ..roads.geodata import read_site
-    from .columns import columns
-    from .files import write
+    from .output_paths import write
+    from .text_columns import columns
 
     site = read_site(Path(file), crs)
     told = site.summary()
@@ -134,7 +134,7 @@ def explained(kind: str | None) -> list[str]:
     """The parameters of a kind of map. Raises `UsageError` if there is none."""
     from ..roads.map_generator import KINDS
     from ..semantics.kernel.errors import UsageError
-    from .columns import columns
+    from .text_columns import columns
 
     if kind is None:
         raise UsageError("which map? Name a file, or make one with --make")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
-from .completing import alternatives, dialects, models, profiles, words
+from .shell_completion import alternatives, dialects, models, profiles, words
 
 if TYPE_CHECKING:
     from ..api import Scenario

@@ -60,7 +60,7 @@ def play(
     worked out by a process of its own, which --limit-seconds and --limit-memory end. FILE is read, and never written.
     Ctrl-C ends the server. Needs the extra play.
     """
-    from .playground.starting import begin, source_of
+    from ..playground.page_assembly import begin, source_of
 
     session = context.obj
     session.seed = seed

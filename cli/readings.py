@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from . import completing
+from . import shell_completion
 from .options import DebugOption, ReadingOption, pairs
 
 if TYPE_CHECKING:
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 def readings(
     name: Annotated[
-        str | None, typer.Argument(metavar="ID", autocompletion=completing.words(completing.readings), help="The reading to explain.")
+        str | None, typer.Argument(metavar="ID", autocompletion=shell_completion.words(shell_completion.readings), help="The reading to explain.")
     ] = None,
     profile: Annotated[
         str | None,
         typer.Option(
-            "--profile", metavar="PROFILE", autocompletion=completing.words(completing.profiles), show_default="paper",
+            "--profile", metavar="PROFILE", autocompletion=shell_completion.words(shell_completion.profiles), show_default="paper",
             help="A profile of readings.",
         ),
     ] = None,
@@ -35,7 +35,7 @@ def readings(
     Of the alternatives, * marks the selected one; one in parentheses is the only one.
     """
     from ..semantics.readings import READINGS, select
-    from .columns import columns
+    from .text_columns import columns
 
     selected = select(profile or "paper", dict(pairs(reading, "--reading", "ID=ALT")))
     found = list(READINGS.values()) if name is None else [READINGS[name]] if name in READINGS else []
@@ -75,7 +75,7 @@ def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
 
 def explained(reading: Reading, selected: str) -> list[str]:
     """A reading in full: question, places, alternatives, profiles, consequence, code, probe."""
-    from .columns import paragraph
+    from .text_columns import paragraph
 
     kinds = {"conflict": "the paper contradicts itself", "silence": "the formal rules are silent"}
     about = {"policy": "; it concerns behaviors and the policy", "pruning": "; it concerns pruning"}

@@ -24,7 +24,7 @@ def rules(
     Each has its id, the paper's name, its function, and its place in the paper.
     """
     from ..semantics.rules import CATALOGUE, RULES
-    from .columns import columns
+    from .text_columns import columns
 
     known = {name.lower(): rule for name, rule in RULES.items()}
     found = [known[prefix.lower()]] if prefix.lower() in known else [r for r in CATALOGUE if r.id.lower().startswith(prefix.lower())]

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from .completing import one_of
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -30,6 +29,7 @@ from .options import (
     limits_of,
     read_source,
 )
+from .shell_completion import one_of
 
 BACKENDS = ("batch", "interpreter", "enumerate", "importance", "smc", "mcmc")
 RARE = ("importance", "smc", "mcmc")
@@ -120,7 +120,7 @@ def run(
     """
     from ..semantics.kernel.errors import UsageError
     from ..semantics.kernel.suggestions import did_you_mean
-    from .production import SceneRequest, produce
+    from .scene_run import SceneRequest, produce
 
     session = context.obj
     session.seed = seed
@@ -159,12 +159,12 @@ def run(
         limits=limits_of(limit_memory, limit_seconds), prune=prune, scenario=scenario, device=device,
     )
     if backend == "enumerate":
-        from .enumerating import EnumerationRequest, produce_enumeration
+        from .enumeration_run import EnumerationRequest, produce_enumeration
 
         produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot, report), session)
         return
     if backend in RARE:
-        from .inferring import InferenceRequest, produce_inference
+        from .inference_run import InferenceRequest, produce_inference
 
         request = InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample, inference_data, stream)
         produce_inference(source, request, session)

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from .completing import simulators, words
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -31,6 +30,7 @@ from .options import (
     limits_of,
     read_source,
 )
+from .shell_completion import simulators, words
 
 
 class SimulationBackendName(StrEnum):
@@ -123,7 +123,7 @@ def simulate(
     ones.
     """
     from ..semantics.kernel.errors import UsageError
-    from .simulating import SimulationRequest, produce_simulations
+    from .simulation_run import SimulationRequest, produce_simulations
 
     session = context.obj
     session.seed = seed

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from .completing import simulators, words
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -30,6 +29,7 @@ from .options import (
     limits_of,
     read_source,
 )
+from .shell_completion import simulators, words
 
 
 def trace(
@@ -73,8 +73,8 @@ def trace(
     """
     from ..semantics.kernel.errors import UsageError
     from ..simulators import by_name
-    from .drawing import drawing_of, tell_notes
-    from .files import check_ending, check_place
+    from .output_paths import check_ending, check_place
+    from .scene_sampler import drawing_of, tell_notes
     from .trace_output import WhichRun, traced, traced_simulation, write_page, write_text
 
     session = context.obj

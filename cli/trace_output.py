@@ -20,10 +20,10 @@ from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicEr
 from ..semantics.rules import RULES
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from .drawing import drawing_of
-from .errors import source_line, source_text
-from .files import write
+from .error_messages import source_line, source_text
 from .options import Source
+from .output_paths import write
+from .scene_sampler import drawing_of
 from .session import escaped, tell
 
 

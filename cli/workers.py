@@ -10,8 +10,8 @@ from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.batch.jobs.worker_pools import Workers, processes
 from ..inference.rejection import patiently
 from ..semantics.kernel.errors import ScenicError
-from .drawing import Drawing, DrawnScene, drawing_of
 from .options import Source
+from .scene_sampler import Drawing, DrawnScene, drawing_of
 
 AnyJob = TypeVar("AnyJob")
 Found = TypeVar("Found")

@@ -95,7 +95,7 @@ def judged(
         told = scenario.impossible.message.removeprefix("no scene is possible: ")
         return without_comparison(f"the program has no scenes, but the samples do: {told}", alpha, detect_tv, seed, again)
     check_columns(first, scenario, names)
-    classes = frozenset(str(value) for name, value in api.scenario.items() if name.endswith(".class"))
+    classes = frozenset(str(value) for name, value in scenario.constants.items() if name.endswith(".class"))
     names = SampleNames(names.ignore, names.map, classes)
     facts = scenario.facts.without(names.ignored)
     law = None if reference is not None else enumerated(scenario)

@@ -46,7 +46,7 @@ ONLY_IN = {
     "pandas": {"api/scene_iterator.py"}, "polars": {"api/scene_iterator.py"},
     "distributed": {"inference/batch/jobs/worker_pools.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/pymunk_simulator.py"}, "sumo": {"simulators/sumo_simulator.py"}, "traci": {"simulators/sumo_simulator.py"},
-    "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
+    "starlette": {"playground/server.py"}, "uvicorn": {"playground/server.py"},
     "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"pictures/chain_plots.py"}, "pyro": {"inference/pyro_adapter.py"},
     "pyproj": {"roads/geodata.py"}, "shapefile": {"roads/geodata.py"},
@@ -284,7 +284,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
 def test_the_core_needs_none_of_the_extras():
     """Nor SciPy's statistics, more than a third of what was imported once; nor do commands that draw."""
     heavy = ("torch", "pyro", "pymunk", "pyarrow", "numba", "matplotlib", "scipy.stats")
-    code = f"import sys, scenic_ref.api, scenic_ref.cli.run, scenic_ref.cli.simulating; print([m for m in {heavy} if m in sys.modules])"
+    code = f"import sys, scenic_ref.api, scenic_ref.cli.run, scenic_ref.cli.simulation_run; print([m for m in {heavy} if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip() == "[]"
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenic_ref.cli.batch_sampler import Portion, portions
 from scenic_ref.cli.options import Source
-from scenic_ref.cli.outputs import LinesFile
-from scenic_ref.cli.portions import Portion, portions
+from scenic_ref.cli.scene_outputs import LinesFile
 from scenic_ref.cli.workers import Job
 from scenic_ref.inference.batch.jobs import memory_files
 from scenic_ref.inference.batch.jobs.memory_files import Shelf, lay

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import production
+from scenic_ref.cli import scene_run
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_a_fault_of_ours_asks_for_a_report_and_keeps_the_traceback_for_debug(ask
     def fail(*_: object) -> None:
         raise ZeroDivisionError("oops")
 
-    monkeypatch.setattr(production, "check_paths", fail)
+    monkeypatch.setattr(scene_run, "check_paths", fail)
     found = ask("run", "ok.scenic", "--seed", 12)
     assert found.code == 4
     assert "internal error: ZeroDivisionError: oops" in found.err
@@ -81,7 +81,7 @@ def test_an_interrupt_has_exit_code_130(ask, monkeypatch):
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(production, "check_paths", interrupt)
+    monkeypatch.setattr(scene_run, "check_paths", interrupt)
     found = ask("run", "ok.scenic")
     assert (found.code, found.out) == (130, "")
     assert found.err == "interrupted\n"

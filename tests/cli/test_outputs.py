@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.cli.outputs import AT_ONCE, in_pieces
+from scenic_ref.cli.scene_outputs import AT_ONCE, in_pieces
 
 SHORT, LONG = b"x" * 99 + b"\n", b"y" * (3 * AT_ONCE) + b"\n"
 

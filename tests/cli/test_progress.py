@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.api import loads
-from scenic_ref.cli import progress
-from scenic_ref.cli.drawing import Drawing
-from scenic_ref.cli.production import BatchForesight, SceneRequest
-from scenic_ref.cli.progress import Progress
+from scenic_ref.cli import progress_bar
+from scenic_ref.cli.progress_bar import Progress
+from scenic_ref.cli.scene_run import BatchForesight, SceneRequest
+from scenic_ref.cli.scene_sampler import Drawing
 
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     now = [1000.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(progress_bar.time, "monotonic", lambda: now[0])
     return now
 
 
@@ -54,7 +54,7 @@ def test_a_first_scene_that_does_not_come_is_told_of(clock, capsys):
 
 
 def test_a_single_scene_has_a_bar_when_it_takes_a_while(clock, monkeypatch):
-    monkeypatch.setattr(progress.sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(progress_bar.sys.stderr, "isatty", lambda: True, raising=False)
     with Progress(1) as shown:
         shown.stuck(10)
         assert shown.bar is None
@@ -129,7 +129,7 @@ def test_nothing_is_known_of_a_program_that_has_no_graph():
 
 @pytest.mark.parametrize(("command", "on_terminal", "delay"), [("run", True, 0), ("check", True, 0), ("run", False, 0), ("run", True, 1000)])
 def test_a_word_is_said_on_a_terminal_of_a_first_run_that_takes_long(ask, monkeypatch, command, on_terminal, delay):
-    monkeypatch.setattr(progress, "LONG_FOR_ONE_RUN", delay)
+    monkeypatch.setattr(progress_bar, "LONG_FOR_ONE_RUN", delay)
     Path("endless.scenic").write_text("ego = Object\nwhile True:\n    pass\n")
     monkeypatch.setattr("sys.stderr.isatty", lambda: on_terminal, raising=False)
     found = ask(command, "endless.scenic", "--fuel", 200_000)

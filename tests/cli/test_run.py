@@ -12,13 +12,13 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import open_wall, outputs
-from scenic_ref.cli.drawing import drawing_of
+from scenic_ref.cli import open_wall, scene_outputs
+from scenic_ref.cli.batch_sampler import portions
 from scenic_ref.cli.options import Source
-from scenic_ref.cli.outputs import write_all
-from scenic_ref.cli.portions import portions
-from scenic_ref.cli.production import lines_so_far
-from scenic_ref.cli.reports import Tally
+from scenic_ref.cli.run_report import Tally
+from scenic_ref.cli.scene_outputs import write_all
+from scenic_ref.cli.scene_run import lines_so_far
+from scenic_ref.cli.scene_sampler import drawing_of
 from scenic_ref.cli.session import Session
 from scenic_ref.cli.workers import Job
 
@@ -264,8 +264,8 @@ def test_an_interrupt_while_scenes_are_written_tells_how_many_were(ask, monkeypa
         sizes.append(bytes(data).count(b"\n"))
         write_all(file, data)
 
-    monkeypatch.setattr(outputs, "write_all", first_only)
-    monkeypatch.setattr(outputs.LinesFile, "at_once", outputs.PIPED_AT_ONCE)  # several pieces
+    monkeypatch.setattr(scene_outputs, "write_all", first_only)
+    monkeypatch.setattr(scene_outputs.LinesFile, "at_once", scene_outputs.PIPED_AT_ONCE)  # several pieces
     found = ask("run", "random.scenic", "-n", "512", "-o", to)
     lines = Path(to).read_text().splitlines() if to != "-" else found.out.splitlines()
     assert found.code == 130 and 0 < sizes[0] == len(lines) < 512
@@ -283,7 +283,7 @@ def test_of_an_interrupted_table_nothing_is_written(ask, monkeypatch):
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(outputs.TableOutput, "write_many", interrupt)
+    monkeypatch.setattr(scene_outputs.TableOutput, "write_many", interrupt)
     found = ask("run", "random.scenic", "-n", "512", "-o", "scenes.npz")
     assert found.code == 130 and not Path("scenes.npz").exists()
     assert re.match(r"0 scenes so far, and \d+ stuck attempts; 512 scenes more were drawn, and not written\n", found.err)

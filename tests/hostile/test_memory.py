@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.cli.errors import report
+from scenic_ref.cli.error_messages import report
 from scenic_ref.cli.session import Session
 from scenic_ref.errors import ProgramError
 from scenic_ref.interpreter.runtime.limits import Limits

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
-from scenic_ref.cli import answer, tables
-from scenic_ref.cli.errors import render
+from scenic_ref.cli import answer, scene_outputs
+from scenic_ref.cli.error_messages import render
 from scenic_ref.cli.session import escaped
 from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.semantics.syntax.nodes import Span
@@ -50,7 +50,7 @@ def test_a_table_on_a_terminal_has_no_control_character():
         "objects": [{"id": 0, "name": ESC, "class": "C" + ESC, "position": [0, 0], "heading": 0, "width": 1, "length": 1}],
     }  # fmt: skip
     shown = io.StringIO()
-    Console(file=shown, no_color=True, force_terminal=False, width=200).print(tables.table_of(made))
+    Console(file=shown, no_color=True, force_terminal=False, width=200).print(scene_outputs.table_of(made))
     assert not [c for c in CONTROL if c in shown.getvalue()]
     assert "\\x1b]0;owned" in shown.getvalue()
 

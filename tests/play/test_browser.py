@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import scenic_ref
-from scenic_ref.cli.playground.links import Linked, link_of, linked_of
+from scenic_ref.playground.share_links import Linked, link_of, linked_of
 
 from .conftest import Page
 

@@ -8,7 +8,7 @@ import zlib
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenic_ref.cli.playground.links import LARGEST, MARK, Linked, is_link, link_of, linked_of
+from scenic_ref.playground.share_links import LARGEST, MARK, Linked, is_link, link_of, linked_of
 from scenic_ref.semantics.kernel.errors import UsageError
 
 

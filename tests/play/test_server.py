@@ -20,7 +20,7 @@ from urllib.parse import urlsplit
 import pytest
 import scenic_ref
 from scenic_ref.cli import answer
-from scenic_ref.cli.playground.texts import IN_PAGE
+from scenic_ref.playground.json_views import IN_PAGE
 
 pytestmark = pytest.mark.extra("play")
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no signals")

@@ -7,16 +7,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 
-from ...api.diagnostics import of_error
-from ...data.scene import in_json
-from ...inference.batch.jobs.worker_pools import end_with_parent
-from ...semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
-from .asked import PlayRequest
-from .numbers import draw_values, exact_law
-from .runs import send_picture, send_trace, simulate
-from .scenes import draw_scenes, survey
-from .shown import diagnostic_shown
-from .texts import Json, cut_text
+from ..api.diagnostics import of_error
+from ..data.scene import in_json
+from ..inference.batch.jobs.worker_pools import end_with_parent
+from ..semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
+from .jobs import draw_scenes, draw_values, exact_law, send_picture, send_trace, simulate, survey
+from .json_views import Json, cut_text, diagnostic_shown
+from .request import PlayRequest
 
 MOST_BYTES = 24_000_000
 """The longest message of a process."""

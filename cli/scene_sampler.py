@@ -24,7 +24,13 @@ from ..semantics.kernel.scopes import descendants
 from ..semantics.kernel.values import plain
 from ..semantics.step import step
 from ..semantics.syntax import Program
-from ..semantics.syntax.dynamics import MonitorDefinition, RequireAlways, RequireEventually, RequireMonitor, TerminateWhen
+from ..semantics.syntax.dynamics import (
+    MonitorDefinition,
+    RequireAlways,
+    RequireEventually,
+    RequireMonitor,
+    TerminateWhen,
+)
 from ..semantics.syntax.nodes import Node, Span
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from ...interpreter.runtime.limits import Limits
-from ...semantics.kernel.errors import UsageError
-from ..options import Source
+from ..cli.options import Source
+from ..interpreter.runtime.limits import Limits
+from ..semantics.kernel.errors import UsageError
 
 MOST_BYTES = 2_000_000
 """The longest request."""

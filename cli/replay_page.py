@@ -11,8 +11,8 @@ from ..data.simulation import Simulated
 from ..pictures.replay_pages import map_below, run_shown
 from ..roads.network import Network
 from ..simulators.worlds.driving import MAP
-from .files import write
-from .progress import Progress
+from .output_paths import write
+from .progress_bar import Progress
 
 if TYPE_CHECKING:
     from ..api import Scenario

@@ -157,6 +157,6 @@ def rule_named(identifier: str) -> str:
 
 def _worst(error: AttemptsExhausted, texts: Mapping[str, str]) -> list[str]:
     from ..semantics.kernel.outcome import Requirement
-    from .reports import requirement_lines
+    from .run_report import requirement_lines
 
     return ["", *requirement_lines([(r, count) for r, count in error.stuck if isinstance(r, Requirement)], texts, limit=WORST)]

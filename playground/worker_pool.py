@@ -8,10 +8,10 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from typing import Any
 
-from .asked import PlayRequest
-from .work import MOST_BYTES, work
+from .request import PlayRequest
+from .worker import MOST_BYTES, work
 
-READY = f"{__package__}.ready"
+READY = f"{__package__}.forkserver_preload"
 GRACE = 5.0
 """Seconds that a process which was killed may take to be gone."""
 

@@ -21,8 +21,8 @@ from ..semantics.kernel.errors import InternalError, ScenicError
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from .drawing import Drawing, drawing_of, listen
 from .options import Source
+from .scene_sampler import Drawing, drawing_of, listen
 from .workers import done_by
 
 

@@ -8,8 +8,8 @@ import json
 import zlib
 from typing import NamedTuple
 
-from ...data.scene import in_json
-from ...semantics.kernel.errors import UsageError
+from ..data.scene import in_json
+from ..semantics.kernel.errors import UsageError
 
 MARK = "scenic1="
 """What the part of an address behind # begins with."""

@@ -16,14 +16,14 @@ from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..pictures.notebook_views import counted
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
-from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
-from .errors import WORST
-from .files import LINES, PICTURES, check_ending, check_file, check_place
+from .batch_sampler import Portion, portions
+from .error_messages import WORST
 from .options import Source
-from .outputs import Output, Resumed, open_output, prepare_output
-from .portions import Portion, portions
-from .progress import Progress, running_once
-from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
+from .output_paths import LINES, PICTURES, check_ending, check_file, check_place
+from .progress_bar import Progress, running_once
+from .run_report import Tally, processor_seconds, requirement_lines, summary, write_report
+from .scene_outputs import Output, Resumed, open_output, prepare_output
+from .scene_sampler import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .session import Session, tell
 from .workers import Job, draw_here, drawn_by
 

@@ -31,7 +31,7 @@ class Kept(NamedTuple):
 
     def check(self, impl: str | None) -> None:
         """Raise `UsageError` for files that cannot be written, or that need another implementation."""
-        from .files import check_ending, check_place
+        from .output_paths import check_ending, check_place
 
         if impl is None:
             for option, path in (("--known", self.known), ("--results", self.results), ("--against", self.against)):
@@ -61,7 +61,7 @@ def judge_another(impl: str, other: External, results: Sequence[Result], expecte
     from ..conformance.known import beside
     from ..conformance.results import changes, text_of
     from .conformance import show, write_report
-    from .files import write
+    from .output_paths import write
 
     found = beside(other.name, results, expected.known)
     changed = changes(expected.before or {}, results)

@@ -19,17 +19,17 @@ from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from .drawing import Drawing, DrawnScene, drawing_of
-from .files import LINES, check_ending, check_place
 from .options import Source
-from .outputs import SIMULATIONS, Output, Resumed, open_output
-from .pages import MOST, PageRun, write_movie, write_page
-from .production import printed_first, rehearse, workers_of
-from .progress import Progress
+from .output_paths import LINES, check_ending, check_place
+from .progress_bar import Progress
 from .replay import Replays, check_recordings
-from .reports import requirement_lines
+from .replay_page import MOST, PageRun, write_movie, write_page
+from .run_report import requirement_lines
+from .scene_outputs import SIMULATIONS, Output, Resumed, open_output
+from .scene_run import printed_first, rehearse, workers_of
+from .scene_sampler import Drawing, DrawnScene, drawing_of
 from .session import Session, escaped, tell
-from .simulation_jobs import Listeners, ReportedRun, SimulationJob, reported, simulate_here, simulated_by
+from .simulation_sampler import Listeners, ReportedRun, SimulationJob, reported, simulate_here, simulated_by
 
 
 class SimulationRequest(NamedTuple):

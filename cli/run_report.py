@@ -16,14 +16,14 @@ from ..data.scene import in_json
 from ..inference.rejection import acceptance
 from ..inference.result import LEVEL, Probability, report
 from ..simulators.loop import OF_SIMULATOR
-from .errors import WORST, source_line
-from .files import write
+from .error_messages import WORST, source_line
+from .output_paths import write
 
 if TYPE_CHECKING:
     from ..semantics.kernel.outcome import Requirement
     from ..semantics.syntax.nodes import Span
-    from .drawing import Drawing, DrawnScene, Softness
-    from .portions import Portion
+    from .batch_sampler import Portion
+    from .scene_sampler import Drawing, DrawnScene, Softness
 
 LONGEST = 60
 BY_CHANCE = 1e-3

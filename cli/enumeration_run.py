@@ -14,10 +14,10 @@ from ..inference.comparison.relations import table_of
 from ..inference.comparison.scene_columns import Column
 from ..inference.enumeration import Enumeration
 from ..inference.result import Probability, report
-from .drawing import drawing_of
-from .files import PICTURES, check_ending, check_file, check_place, write
 from .options import Source
-from .production import rehearse
+from .output_paths import PICTURES, check_ending, check_file, check_place, write
+from .scene_run import rehearse
+from .scene_sampler import drawing_of
 from .session import Session, console, escaped, tell
 
 if TYPE_CHECKING:

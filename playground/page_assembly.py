@@ -10,16 +10,16 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ... import __version__
-from ...data.scene import in_json
-from ...editors.pygments_lexer import rules_for_browsers
-from ...interpreter.language.dialects import DIALECTS
-from ...interpreter.runtime.optional_packages import is_installed, needed
-from ...semantics.readings import PROFILES, READINGS, select
-from ..options import Source, pairs, read_source, with_map
-from ..session import Session
-from .links import Linked, is_link, linked_of
-from .texts import cut_text
+from .. import __version__
+from ..cli.options import Source, pairs, read_source, with_map
+from ..cli.session import Session
+from ..data.scene import in_json
+from ..editors.pygments_lexer import rules_for_browsers
+from ..interpreter.language.dialects import DIALECTS
+from ..interpreter.runtime.optional_packages import is_installed, needed
+from ..semantics.readings import PROFILES, READINGS, select
+from .json_views import cut_text
+from .share_links import Linked, is_link, linked_of
 
 SCRIPTS = (
     "asking.js", "editor.js", "drawn.js", "scenes.js", "histogram.js", "trace.js", "readings.js", "replay.js", "beginning.js",
@@ -95,7 +95,7 @@ def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]
 
 def programs() -> list[dict[str, str]]:
     """The programs that the page offers, the first of which it begins with; their first lines say what they show."""
-    found: Iterator[Any] = (p for p in files("scenic_ref.cli.playground").joinpath("programs").iterdir() if p.name.endswith(".scenic"))
+    found: Iterator[Any] = (p for p in files("scenic_ref.playground").joinpath("programs").iterdir() if p.name.endswith(".scenic"))
     texts = [path.read_text(encoding="utf-8") for path in sorted(found, key=lambda path: path.name)]
     return [{"title": text.partition("\n")[0].lstrip("# "), "program": text.partition("\n")[2].lstrip("\n")} for text in texts]
 
@@ -109,4 +109,4 @@ def page_with(data: dict[str, object]) -> str:
 
 def part(name: str) -> str:
     """A part of the page as it is shipped."""
-    return files("scenic_ref.cli.playground").joinpath("page", name).read_text(encoding="utf-8")
+    return files("scenic_ref.playground").joinpath("page", name).read_text(encoding="utf-8")

@@ -18,8 +18,8 @@ from ..inference.batch.jobs.memory_files import Shelf, lay
 from ..inference.batch.jobs.worker_pools import FIRST, Pace, Workers, block_of
 from ..inference.comparison.scene_columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
-from .drawing import Drawing, Softness, drawing_of
 from .options import Source
+from .scene_sampler import Drawing, Softness, drawing_of
 from .workers import Job
 
 Form = Literal["lines", "table", "features"]

@@ -21,12 +21,12 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from ...data.scene import in_json
-from ...semantics.kernel.errors import UsageError
-from ..options import Source
-from .asked import MOST_BYTES, PlayRequest, request_of
-from .processes import WorkProcess, prepared
-from .texts import Json
+from ..cli.options import Source
+from ..data.scene import in_json
+from ..semantics.kernel.errors import UsageError
+from .json_views import Json
+from .request import MOST_BYTES, PlayRequest, request_of
+from .worker_pool import WorkProcess, prepared
 
 HOST = "127.0.0.1"
 AT_ONCE = 4
