@@ -12,10 +12,10 @@ import typer
 from .options import DebugOption
 
 if TYPE_CHECKING:
-    from ..conformance.external import External
-    from ..conformance.implementation import Implementation
+    from ..conformance.implementations.harness_client import External
+    from ..conformance.implementations.protocol import Implementation
+    from ..conformance.judge import Result
     from ..conformance.reports import Chapter
-    from ..conformance.running import Result
     from ..conformance.vector import ConformanceVector
 
 WRONG = ("failed", "errored")
@@ -80,8 +80,8 @@ def conformance(
 
 def opened(impl: str, seconds: float) -> External:
     """The implementation that the option names, which has said its name. Raises `UsageError`."""
-    from ..conformance.environments import implementation
-    from ..conformance.process import ImplementationFault
+    from ..conformance.implementations.environments import implementation
+    from ..conformance.implementations.line_process import ImplementationFault
     from ..semantics.kernel.errors import UsageError
 
     if not 0 < seconds < float("inf"):

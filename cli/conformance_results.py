@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..semantics.kernel.errors import UsageError
 
 if TYPE_CHECKING:
-    from ..conformance.external import External
-    from ..conformance.known import Judged, KnownDifference
-    from ..conformance.running import Result
+    from ..conformance.implementations.harness_client import External
+    from ..conformance.judge import Result
+    from ..conformance.known_differences import Judged, KnownDifference
 
 
 class Expected(NamedTuple):
@@ -49,7 +49,7 @@ class Kept(NamedTuple):
         """What the files say that are read; the differences that ship if there is no other list. Raises `UsageError`."""
         from pathlib import Path
 
-        from ..conformance.known import differences_at, shipped
+        from ..conformance.known_differences import differences_at, shipped
         from ..conformance.results import lines_at
 
         known = shipped() if self.known is None else differences_at(Path(self.known))
@@ -58,7 +58,7 @@ class Kept(NamedTuple):
 
 def judge_another(impl: str, other: External, results: Sequence[Result], expected: Expected, kept: Kept, verbose: bool) -> bool:
     """Show the results, write what is to be written; whether everything is as it is known to be. Raises `UsageError`."""
-    from ..conformance.known import beside
+    from ..conformance.known_differences import beside
     from ..conformance.results import changes, text_of
     from .conformance import show, write_report
     from .output_paths import write
@@ -78,7 +78,7 @@ def judge_another(impl: str, other: External, results: Sequence[Result], expecte
 
 def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, changed: Sequence[str]) -> None:
     """What is known, what is new, what is stale, and what changed; the listed vectors with their verdicts."""
-    from ..conformance.explaining import explained
+    from ..conformance.diff.explanations import explained
     from .conformance import lines_of
 
     if found.known:

@@ -31,8 +31,8 @@ from .options import (
 
 if TYPE_CHECKING:
     from ..api import Scenario
-    from ..conformance.external import External
-    from ..conformance.looking import AskedProgram, ProgramVerdict
+    from ..conformance.diff.sequential_diff import AskedProgram, ProgramVerdict
+    from ..conformance.implementations.harness_client import External
 
 DEFAULT_BUDGET = 60.0
 DEFAULT_FINENESS = 0.1
@@ -75,8 +75,8 @@ def diff(
 
     Exit codes: 0 all agree, 1 one differs, 2 wrong usage, 5 inconclusive.
     """
-    from ..conformance.differing import differences
-    from ..conformance.looking import DiffSettings
+    from ..conformance.diff.scene_differences import differences
+    from ..conformance.diff.sequential_diff import DiffSettings
     from ..inference.comparison.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from .conformance import opened
@@ -145,8 +145,8 @@ def watched(places: list[str]) -> Iterator[str]:
 
 def program_of(source: Source, other: External) -> AskedProgram | str:
     """The program as both sides read it; or why it cannot be said there. A program with an error of syntax is given as it stands."""
-    from ..conformance.implementation import Task
-    from ..conformance.looking import AskedProgram
+    from ..conformance.diff.sequential_diff import AskedProgram
+    from ..conformance.implementations.protocol import Task
     from ..interpreter.language.conversion import convert
     from ..interpreter.language.dialects import DIALECTS, choose
     from ..interpreter.language.modules import library_of
@@ -199,7 +199,7 @@ def is_beside(file: str, folder: Path) -> bool:
 
 def unsaid(place: str, why: str) -> ProgramVerdict:
     """A program that is not compared."""
-    from ..conformance.looking import ProgramVerdict
+    from ..conformance.diff.sequential_diff import ProgramVerdict
 
     return ProgramVerdict(place, "skipped", "unsaid", why)
 

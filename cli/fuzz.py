@@ -14,8 +14,8 @@ import typer
 from .options import DebugOption
 
 if TYPE_CHECKING:
-    from ..conformance.fuzzing.examining import FuzzedProgram
-    from ..conformance.fuzzing.judgements import JudgedFinding
+    from ..conformance.fuzz.examination import FuzzedProgram
+    from ..conformance.fuzz.triage import JudgedFinding
 
 JOURNAL, PAGE, JUNIT = "campaign.jsonl", "report.html", "junit.xml"
 OF_THE_OTHER = "its own"
@@ -60,10 +60,10 @@ def fuzz(
 
     Exit codes: 0 no finding, 1 findings, 2 wrong usage.
     """
-    from ..conformance.fuzzing.campaign import Journal, campaign
-    from ..conformance.fuzzing.causes import causes_of
-    from ..conformance.fuzzing.examining import CampaignSettings
-    from ..conformance.fuzzing.judgements import findings_at, findings_of
+    from ..conformance.fuzz.campaign import Journal, campaign
+    from ..conformance.fuzz.causes import causes_of
+    from ..conformance.fuzz.examination import CampaignSettings
+    from ..conformance.fuzz.triage import findings_at, findings_of
     from ..inference.comparison.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from ..semantics.readings import select

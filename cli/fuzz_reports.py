@@ -11,10 +11,10 @@ from pathlib import Path
 from string import Template
 from xml.etree import ElementTree
 
-from ..conformance.fuzzing.causes import Cause
-from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
-from ..conformance.fuzzing.judgements import CampaignFindings, JudgedFinding, to_toml
-from ..conformance.fuzzing.saving import draft_of
+from ..conformance.fuzz.causes import Cause
+from ..conformance.fuzz.examination import CampaignSettings, FuzzedProgram
+from ..conformance.fuzz.triage import CampaignFindings, JudgedFinding, to_toml
+from ..conformance.fuzz.vector_draft import draft_of
 from ..pictures.side_by_side import side_by_side
 from .output_paths import write
 

@@ -5,7 +5,7 @@ A vector is a program with what the paper says about its scenes or simulations; 
 
 from __future__ import annotations
 
-from .implementation import (
+from .implementations.protocol import (
     Enumerated,
     Enumerating,
     EnumeratingSimulations,
@@ -18,10 +18,10 @@ from .implementation import (
     Tracing,
     TracingSimulations,
 )
-from .loading import load_vectors
-from .ourselves import Ourselves
-from .running import Result, judge
+from .implementations.reference import Ourselves
+from .judge import Result, judge
 from .vector import ConformanceVector
+from .vector_files import load_vectors
 from .verdict import VectorVerdict
 
 __all__ = [

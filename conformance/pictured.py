@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 
 from ..pictures.side_by_side import Boxes, boxes_of
-from .external import External
-from .fuzzing.examining import PLACED
-from .implementation import Implementation, NeverAccepted, Refused, Task
-from .known import KnownCause
-from .ourselves import Ourselves
-from .process import ImplementationFault
+from .fuzz.examination import PLACED
+from .implementations.harness_client import External
+from .implementations.line_process import ImplementationFault
+from .implementations.protocol import Implementation, NeverAccepted, Refused, Task
+from .implementations.reference import Ourselves
+from .known_differences import KnownCause
 from .vector import ConformanceVector
 
 FILE = "pictured_scenes.json"

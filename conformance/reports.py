@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..semantics.rules import RULES
-from .refusals import Error
-from .running import Result
+from .judge import Result
+from .matchers.errors import Error
 from .vector import ConformanceVector
 from .verdict import STATUSES, Status
 

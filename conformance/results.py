@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..interpreter.language.modules import read_text
 from ..semantics.kernel.errors import UsageError
-from .running import Result
+from .judge import Result
 from .verdict import STATUSES
 
 SCHEMA = "scenic-ref/results/1"

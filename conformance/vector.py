@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from .implementation import Implementation, Task
+from .implementations.protocol import Implementation, Task
 from .verdict import VectorVerdict
 
 

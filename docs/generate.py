@@ -13,8 +13,8 @@ from textwrap import dedent
 import scenic_ref
 from code_pages import cell, command_pages, commands_page, constructors_page, paragraph
 from scenic_ref.conformance import load_vectors, results
-from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
-from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
+from scenic_ref.conformance.fuzz.triage import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
+from scenic_ref.conformance.known_differences import CLASSES, KnownCause, causes, shipped
 from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, completed, read_manifest
 from scenic_ref.conformance.measurements import measurements
 from scenic_ref.conformance.pictured import OURS, pictured_scenes

@@ -8,8 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from scenic_ref.conformance import load_vectors, results
-from scenic_ref.conformance.environments import implementation
-from scenic_ref.conformance.known import causes, shipped
+from scenic_ref.conformance.implementations.environments import implementation
+from scenic_ref.conformance.known_differences import causes, shipped
 from scenic_ref.conformance.pictured import FILE, pictured
 
 PLACE = Path(__file__).parents[1] / "conformance" / FILE

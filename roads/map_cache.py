@@ -41,7 +41,7 @@ ENDING = ".map"
 
 def code_there() -> bytes:
     """All code that what is made of a map may depend on, and the libraries that calculate; empty if it cannot be told."""
-    return digest_of_code(("maps", "semantics"), f"{sys.version} {np.__version__} {shapely.__version__} {shapely.geos_version_string}")
+    return digest_of_code(("roads", "semantics"), f"{sys.version} {np.__version__} {shapely.__version__} {shapely.geos_version_string}")
 
 
 CODE = code_there()

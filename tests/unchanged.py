@@ -118,14 +118,14 @@ def command(*words: str) -> str:
 @cache
 def vectors(programs: Path) -> dict[str, ConformanceVector]:
     """The vectors of a tree, by name."""
-    from scenic_ref.conformance.loading import read_all, texts
+    from scenic_ref.conformance.vector_files import read_all, texts
 
     return {v.name: v for v in read_all(sorted(texts(programs / "conformance" / "vectors", "")))}  # type: ignore[arg-type]
 
 
 def of_vector(vector: ConformanceVector, scenes: int) -> Iterator[tuple[str, str]]:
     """Scenes of both backends, simulations, the exact distribution and the rules of the first run, or the error."""
-    from scenic_ref.conformance.ourselves import Ourselves, loaded, traced
+    from scenic_ref.conformance.implementations.reference import Ourselves, loaded, traced
 
     ours, batch = Ourselves(), Ourselves.by_batch()
     task = vector.task(next(iter(vector.texts)))

@@ -21,13 +21,13 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from scenic_ref.conformance.external import External
-from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord, Task
-from scenic_ref.conformance.loading import load_vectors, read_file
-from scenic_ref.conformance.ourselves import Ourselves, World
-from scenic_ref.conformance.running import judge
-from scenic_ref.conformance.values import SceneValues
+from scenic_ref.conformance.implementations.harness_client import External
+from scenic_ref.conformance.implementations.protocol import SceneRecord, SimulationRecord, Task
+from scenic_ref.conformance.implementations.reference import Ourselves, World
+from scenic_ref.conformance.judge import judge
+from scenic_ref.conformance.matchers.values import SceneValues
 from scenic_ref.conformance.vector import ConformanceVector
+from scenic_ref.conformance.vector_files import load_vectors, read_file
 from scenic_ref.semantics.readings import READINGS, Reading
 
 HERE = Path(__file__).resolve().parent

@@ -3,7 +3,7 @@
     PYTHON tools/release_by_its_defaults.py api
     PYTHON tools/release_by_its_defaults.py command-line
 
-Where `conformance/adapters/released.py` says how many attempts a scene or simulation may take, here nothing is said: each function
+Where `conformance/implementations/adapters/released.py` says how many attempts a scene or simulation may take, here nothing is said: each function
 has the defaults of the release. The command line is the real code of `python -m scenic`; only its simulator is replaced, by one that
 records, and the window in which it shows a scene.
 """
@@ -18,7 +18,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "conformance" / "adapters"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "conformance" / "implementations" / "adapters"))
 os.environ["MPLBACKEND"] = "svg"  # the command line refuses to run under `agg`, though nothing is drawn
 
 import matplotlib.pyplot  # noqa: F401

@@ -22,7 +22,7 @@ SKEW = 60.0
 
 def digest_of_code(folders: Sequence[str], versions: str) -> bytes:
     """A digest of the modules below some folders of the package, and of the versions of what they use; empty if it cannot be told."""
-    package = Path(__file__).parents[1]
+    package = Path(__file__).parents[2]
     found = hashlib.blake2b(versions.encode())
     try:
         sources = sorted(file for folder in folders for file in (package / folder).rglob("*.py") if not file.name.startswith("."))

@@ -113,7 +113,7 @@ class Wall:
             raise refused(f"reading {path!r}")
 
 
-HERE = Path(__file__).parent.parent
+HERE = Path(__file__).parents[2]
 ORDINARY = frozenset({
     "object.__getattr__", "object.__setattr__", "object.__delattr__", "builtins.id", "sys._getframe", "compile", "exec", "import", "marshal.loads",
 })  # fmt: skip

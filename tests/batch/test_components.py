@@ -7,7 +7,7 @@ import math
 import pytest
 import scenic_ref
 from scenic_ref.api import Scenario
-from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted, block_rejection
 from scenic_ref.inference.batch.block_rejection import BlockDrawing
 from scenic_ref.inference.batch.factorised_rejection import Component, components, obstacle, worthwhile

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted
 from scenic_ref.semantics.kernel import budget
 from scenic_ref.semantics.kernel.errors import ScenicError

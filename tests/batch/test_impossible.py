@@ -6,7 +6,7 @@ import re
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance.programs import random_programs
+from scenic_ref.conformance.generator import random_programs
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Rejected, run
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError

@@ -183,7 +183,7 @@ def test_an_inconclusive_comparison_fails_unless_it_may_pass(files):
 def test_the_command_has_the_defaults_of_the_functions():
     """They are written twice, so that `--help` need not load what they belong to."""
     from scenic_ref.cli import check, conformance, run
-    from scenic_ref.conformance.implementation import SEED
+    from scenic_ref.conformance.implementations.protocol import SEED
     from scenic_ref.inference.comparison import DEFAULT_ALPHA, DEFAULT_TV
     from scenic_ref.inference.enumeration import DEFAULT_RUNS
     from scenic_ref.testing import REFERENCE_SEED

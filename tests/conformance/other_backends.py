@@ -14,10 +14,10 @@ from zlib import crc32
 
 from scenic_ref.api import Scenario
 from scenic_ref.conformance import Ourselves
-from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord, Task
-from scenic_ref.conformance.ourselves import load, told
+from scenic_ref.conformance.implementations.harness_server import serve
+from scenic_ref.conformance.implementations.protocol import SceneRecord, SimulationRecord, Task
+from scenic_ref.conformance.implementations.reference import load, told
 from scenic_ref.conformance.recorded_world import RecordedWorld, World
-from scenic_ref.conformance.serving import serve
 from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.batch import block_rejection
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 from scenic_ref.conformance import load_vectors
-from scenic_ref.conformance.refusals import Error
+from scenic_ref.conformance.matchers.errors import Error
 
 ASK = """
 import json, sys

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from scenic_ref.conformance.environments import here
+from scenic_ref.conformance.implementations.environments import here
 
 from .test_fuzzing import other
 

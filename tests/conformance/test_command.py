@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from scenic_ref.cli import answer
 from scenic_ref.conformance import Ourselves, load_vectors
-from scenic_ref.conformance.implementation import Task
+from scenic_ref.conformance.implementations.protocol import Task
+from scenic_ref.conformance.judge import Result
 from scenic_ref.conformance.reports import UNREACHABLE, report, rules_missing
-from scenic_ref.conformance.running import Result
 from scenic_ref.conformance.verdict import PASSED, errored, failed, skipped
 from scenic_ref.semantics.rules import RULES
 

@@ -14,11 +14,16 @@ from types import SimpleNamespace
 import pytest
 from scenic_ref.api import Scenario, loads
 from scenic_ref.cli import answer
-from scenic_ref.conformance import looking
-from scenic_ref.conformance.implementation import Task
-from scenic_ref.conformance.process import ImplementationFault
+from scenic_ref.conformance.diff import sequential_diff
+from scenic_ref.conformance.diff.simulation_differences import (
+    Replayed,
+    all_on_one_side,
+    in_simulations,
+    of_simulations,
+)
+from scenic_ref.conformance.implementations.line_process import ImplementationFault
+from scenic_ref.conformance.implementations.protocol import Task
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
-from scenic_ref.conformance.replaying import Replayed, all_on_one_side, in_simulations, of_simulations
 from scenic_ref.interpreter.language.dialects import DIALECTS
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.readings import select
@@ -26,8 +31,8 @@ from scenic_ref.semantics.readings import select
 OTHER = """
 from dataclasses import replace
 from scenic_ref.conformance import Ourselves
-from scenic_ref.conformance.implementation import NeverAccepted, Refused, Unsupported
-from scenic_ref.conformance.serving import serve
+from scenic_ref.conformance.implementations.protocol import NeverAccepted, Refused, Unsupported
+from scenic_ref.conformance.implementations.harness_server import serve
 
 class Other(Ourselves):
     name = "other 1"
@@ -258,19 +263,19 @@ def test_wrong_usage(ask: Asking, words: list[str], said: str, monkeypatch: pyte
 def test_the_looks_share_the_risk() -> None:
     alphas: list[float] = []
 
-    def inconclusive(here: object, alpha: float) -> looking.ProgramVerdict:
+    def inconclusive(here: object, alpha: float) -> sequential_diff.ProgramVerdict:
         alphas.append(alpha)
-        return looking.ProgramVerdict("p", "inconclusive", "distribution")
+        return sequential_diff.ProgramVerdict("p", "inconclusive", "distribution")
 
-    settings = looking.DiffSettings(0.01, 0.1, 0, 1.0, 1)
+    settings = sequential_diff.DiffSettings(0.01, 0.1, 0, 1.0, 1)
     sizes: list[int] = []
 
     def grow(wanted: int) -> bool:
         sizes.append(wanted)
         return len(sizes) < 8
 
-    program = looking.AskedProgram("p", looking.Task("", "paper"), lambda readings: loads("ego = Object"))
-    found = looking.looked(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
+    program = sequential_diff.AskedProgram("p", sequential_diff.Task("", "paper"), lambda readings: loads("ego = Object"))
+    found = sequential_diff.looked(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
     assert found.verdict == "inconclusive" and sum(alphas) <= settings.alpha and len(alphas) == 7
     assert sizes == [1, 100, 300, 900, 2700, 8100, 24300, 30000]
 
@@ -283,12 +288,12 @@ def test_readings_that_are_selected_explain_no_difference() -> None:
         tried.append(dict(readings))
         return loads("# dialect: scenic-3\nego = new Object")
 
-    def differ(here: object, alpha: float) -> looking.ProgramVerdict:
-        return looking.ProgramVerdict("p", "differ", "distribution")
+    def differ(here: object, alpha: float) -> sequential_diff.ProgramVerdict:
+        return sequential_diff.ProgramVerdict("p", "differ", "distribution")
 
     other = SimpleNamespace(profile=select("scenic-2.1"))
-    program = looking.AskedProgram("p", looking.Task("", "scenic-3"), load)  # type: ignore[arg-type]
-    found = looking.looked(program, load({}), other, looking.DiffSettings(0.01, 0.1, 0, 60.0, 1), lambda _: True, differ)  # type: ignore[arg-type]
+    program = sequential_diff.AskedProgram("p", sequential_diff.Task("", "scenic-3"), load)  # type: ignore[arg-type]
+    found = sequential_diff.looked(program, load({}), other, sequential_diff.DiffSettings(0.01, 0.1, 0, 60.0, 1), lambda _: True, differ)  # type: ignore[arg-type]
     selected = select("scenic-3")
     assert found.reading is None
     assert tried[1] == {id: one for id, one in select("scenic-2.1").items() if one != selected[id]}
@@ -313,7 +318,7 @@ NEVER = "behavior B():\n    take Range(0, 1)\nego = Object at 0 @ 0, with behavi
 def replayed(text: str, **changes: object) -> Replayed:
     """The simulations of a program whose scenes are kept after a rejection, two of them for each simulation."""
     scenario = loads(text, readings={"rejected-simulation": "retry"})
-    settings = looking.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200)._replace(**changes)
+    settings = sequential_diff.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200)._replace(**changes)
     return Replayed(scenario, wandering(scenario.sample(0), 2, 7), settings)
 
 
@@ -362,9 +367,9 @@ class Silent:
 ])
 def test_no_answer_says_something_only_where_there_is_a_simulation(text: str, before: int, kind: str, verdict: str | None) -> None:
     scenario = replayed(text).scenario
-    program = looking.AskedProgram("p", Task(text, "paper"), lambda _: scenario)
+    program = sequential_diff.AskedProgram("p", Task(text, "paper"), lambda _: scenario)
     other = Silent(replayed(SELDOM).first(before) if before else [], kind)
-    settings = looking.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200, explained=False)
+    settings = sequential_diff.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200, explained=False)
     if verdict is None:
         with pytest.raises(ImplementationFault, match=kind):
             in_simulations(program, scenario, other, settings)  # type: ignore[arg-type]

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import Ourselves, judge
-from scenic_ref.conformance.laws import FAMILIES
-from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.matchers import MATCHERS
-from scenic_ref.conformance.refusals import PHASES, REQUIREMENTS
-from scenic_ref.conformance.shapes import SHAPES
-from scenic_ref.conformance.simulations import KINDS
+from scenic_ref.conformance.matchers.distributions import FAMILIES, SHAPES
+from scenic_ref.conformance.matchers.errors import PHASES, REQUIREMENTS
+from scenic_ref.conformance.matchers.simulations import KINDS
+from scenic_ref.conformance.vector_files import read_file
 
 TEXT = (Path(__file__).parent.parent.parent / "docs" / "vectors.md").read_text("utf-8")
 HEAD = 'chapter = "C"\n[[vector]]\nname = "v"\npaper = "p"\nprogram = "ego = Object"\n'

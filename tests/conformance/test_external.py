@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import scenic_ref.conformance.external as external
+import scenic_ref.conformance.implementations.harness_client as external
 from scenic_ref.conformance import NeverAccepted, Refused, Task, judge, load_vectors
-from scenic_ref.conformance import process as processes
-from scenic_ref.conformance.external import External
-from scenic_ref.conformance.implementation import Unsupported
-from scenic_ref.conformance.process import ImplementationFault as Fault
+from scenic_ref.conformance.implementations import line_process as processes
+from scenic_ref.conformance.implementations.harness_client import External
+from scenic_ref.conformance.implementations.line_process import ImplementationFault as Fault
+from scenic_ref.conformance.implementations.protocol import Unsupported
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -199,7 +199,7 @@ def test_one_who_does_not_read_is_no_hang_of_ours(clock: Clock, living: Living) 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no guard")
 def test_nothing_is_left_when_this_process_is_killed(living: Living) -> None:
     ours = (
-        "import sys\nfrom scenic_ref.conformance.external import External\nfrom scenic_ref.conformance import Task\n"
+        "import sys\nfrom scenic_ref.conformance.implementations.harness_client import External\nfrom scenic_ref.conformance import Task\n"
         f"other = External([sys.executable, '-c', {FAKE.format(how={'sample': f'{living.held}; signal.pause()'}, scene=SCENE)!r}])\n"
         "list(other.scenes(Task('ego = Object', 'paper'), 1, seed=1, attempts=1))\n"
     )
@@ -359,7 +359,7 @@ def test_the_minimal_implementation_of_the_documentation() -> None:
 
 def test_the_schema_is_that_of_what_is_said() -> None:
     jsonschema = pytest.importorskip("jsonschema")
-    schema = json.loads((ROOT / "conformance" / "adapters" / "harness.schema.json").read_text())
+    schema = json.loads((ROOT / "conformance" / "implementations" / "adapters" / "harness.schema.json").read_text())
     validator = jsonschema.Draft202012Validator(schema)
     validator.check_schema(schema)
     right: list[dict[str, Any]] = [

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import pytest
 from scenic_ref.conformance import Enumerated, Ourselves, Task, judge, load_vectors
-from scenic_ref.conformance.implementation import SceneRecord
+from scenic_ref.conformance.implementations.protocol import SceneRecord
 
 VECTORS = {v.name: v for v in load_vectors()}
 Rewrite = Callable[[str], str]

@@ -15,24 +15,38 @@ import pytest
 from scenic_ref.api import loads
 from scenic_ref.cli import answer
 from scenic_ref.cli.fuzz import seconds_in
-from scenic_ref.conformance import external, process
-from scenic_ref.conformance.environments import implementation
-from scenic_ref.conformance.fuzzing import campaign
-from scenic_ref.conformance.fuzzing.aimed import AimedWriter, aimed_program
-from scenic_ref.conformance.fuzzing.causes import ENDED, OFTEN, OUR_BUG, Cause, causes_of, seen_often
-from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings, FuzzedProgram, alike, compared, examine, words_of
-from scenic_ref.conformance.fuzzing.inventing import KINDS, THEMES, invented
-from scenic_ref.conformance.fuzzing.judgements import CampaignFindings, findings_at, findings_in, findings_of, shipped_findings, to_toml
-from scenic_ref.conformance.fuzzing.saving import draft_of, passage_of
-from scenic_ref.conformance.loading import read_file
-from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
+from scenic_ref.conformance.diff.sequential_diff import DiffSettings, ProgramVerdict
+from scenic_ref.conformance.fuzz import campaign
+from scenic_ref.conformance.fuzz.causes import ENDED, OFTEN, OUR_BUG, Cause, causes_of, seen_often
+from scenic_ref.conformance.fuzz.examination import (
+    OUR_FAULT,
+    CampaignSettings,
+    FuzzedProgram,
+    alike,
+    compared,
+    examine,
+    words_of,
+)
+from scenic_ref.conformance.fuzz.themed_programs import KINDS, THEMES, AimedWriter, aimed_program, invented
+from scenic_ref.conformance.fuzz.triage import (
+    CampaignFindings,
+    findings_at,
+    findings_in,
+    findings_of,
+    shipped_findings,
+    to_toml,
+)
+from scenic_ref.conformance.fuzz.vector_draft import draft_of, passage_of
+from scenic_ref.conformance.implementations import harness_client, line_process
+from scenic_ref.conformance.implementations.environments import implementation
+from scenic_ref.conformance.vector_files import read_file
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, CheckError, ParseError, ProgramError, UsageError
 
 OTHER = """
 from scenic_ref.conformance import Ourselves
-from scenic_ref.conformance.implementation import Refused
-from scenic_ref.conformance.serving import serve
+from scenic_ref.conformance.implementations.protocol import Refused
+from scenic_ref.conformance.implementations.harness_server import serve
 
 class Other(Ourselves):
     name = "other 1"
@@ -187,9 +201,9 @@ def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: p
             self.now += 2.0 if hangs.exists() else 0.0
             return self.now
 
-    for module in (external, process):
+    for module in (harness_client, line_process):
         monkeypatch.setattr(module, "time", Clock())
-    monkeypatch.setattr(process, "LARGEST_FOLDER", 1 << 20)
+    monkeypatch.setattr(line_process, "LARGEST_FOLDER", 1 << 20)
     settings = CampaignSettings("broken", seed=5, budget=0.2, shrinking=0.0)
     chosen: dict[str, int] = {}
     for number in range(400):
@@ -199,7 +213,7 @@ def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: p
             chosen[way] = number
     assert set(chosen) == set(ways)
     broken = BROKEN.replace("WAYS", repr(ways)).replace("HANGS", repr(str(hangs)))
-    with external.External([sys.executable, "-c", f"HANGS = {str(hangs)!r}\n{broken}"], seconds=1.0) as there:
+    with harness_client.External([sys.executable, "-c", f"HANGS = {str(hangs)!r}\n{broken}"], seconds=1.0) as there:
         for way in (*ways, "pass"):
             hangs.unlink(missing_ok=True)
             found = examine(chosen[way], settings, there, frozenset())

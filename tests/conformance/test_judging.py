@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.cli import answer
-from scenic_ref.conformance import Ourselves, environments, judge, known, load_vectors, results
-from scenic_ref.conformance.explaining import alike, explained
-from scenic_ref.conformance.external import External
-from scenic_ref.conformance.implementation import SceneRecord, Task
+from scenic_ref.conformance import Ourselves, judge, known_differences, load_vectors, results
+from scenic_ref.conformance.diff.explanations import alike, explained
+from scenic_ref.conformance.implementations import environments
+from scenic_ref.conformance.implementations.harness_client import External
+from scenic_ref.conformance.implementations.protocol import SceneRecord, Task
 from scenic_ref.conformance.pictured import look_different
 from scenic_ref.errors import UsageError
 from scenic_ref.semantics.readings import select
@@ -32,7 +33,7 @@ def wrong(tmp_path: Path) -> str:
     """A command: this reference, but objects are one metre further to the East."""
     path = tmp_path / "wrong.py"
     path.write_text(
-        "from scenic_ref.conformance import Ourselves\nfrom scenic_ref.conformance.serving import serve\n"
+        "from scenic_ref.conformance import Ourselves\nfrom scenic_ref.conformance.implementations.harness_server import serve\n"
         "class Wrong(Ourselves):\n    name = 'wrong 1'\n    def scenes(self, task, count, *, seed, attempts):\n"
         "        for scene in super().scenes(task, count, seed=seed, attempts=attempts):\n"
         "            for found in scene['objects']:\n                found['position'][0] += 1\n            yield scene\nserve(Wrong())\n"
@@ -119,7 +120,7 @@ WRONG = {
 def test_lists_of_differences_are_read_strictly(case: str) -> None:
     text, words = WRONG[case]
     with pytest.raises(UsageError) as raised:
-        known.differences_in(text, "known.toml")
+        known_differences.differences_in(text, "known.toml")
     assert words in str(raised.value)
 
 
@@ -133,7 +134,7 @@ def test_a_file_of_results_that_is_none_is_refused(text: str, words: str) -> Non
 
 
 def test_the_list_that_ships_is_about_vectors_and_beside_the_results_that_ship() -> None:
-    shipped, kept = known.shipped(), results.kept()
+    shipped, kept = known_differences.shipped(), results.kept()
     assert set(kept) == {"scenic 2.1.0", "scenic 3.1.1"}
     for name, lines in kept.items():
         listed = {v for d in shipped if name in d.implementations for v in d.vectors}
@@ -144,19 +145,19 @@ def test_the_list_that_ships_is_about_vectors_and_beside_the_results_that_ship()
 
 def test_the_example_of_the_documentation_is_a_list_of_differences() -> None:
     page = (Path(__file__).parent.parent.parent / "docs" / "harness.md").read_text()
-    found = known.differences_in(page.partition("```toml\n")[2].partition("```")[0], "harness.md")
+    found = known_differences.differences_in(page.partition("```toml\n")[2].partition("```")[0], "harness.md")
     assert len(found) == 1 and found[0].vectors <= VECTORS.keys()
 
 
 def test_the_differences_that_ship_name_vectors_that_are_there() -> None:
-    assert not {v for d in known.shipped() for v in d.vectors} - VECTORS.keys()
+    assert not {v for d in known_differences.shipped() for v in d.vectors} - VECTORS.keys()
 
 
 def test_differences_of_one_class_and_reason_are_one_cause_with_its_smallest_program_first() -> None:
     vectors = {vector.name: vector for vector in load_vectors()}
-    found = known.causes(known.shipped())
-    assert len({(cause.class_, cause.why, *cause.readings) for cause in found}) == len(found) < len(known.shipped())
-    listed = {name for difference in known.shipped() for name in difference.vectors}
+    found = known_differences.causes(known_differences.shipped())
+    assert len({(cause.class_, cause.why, *cause.readings) for cause in found}) == len(found) < len(known_differences.shipped())
+    listed = {name for difference in known_differences.shipped() for name in difference.vectors}
     assert {name for cause in found for name in cause.smallest_first(vectors)} == listed
     for cause in found:
         first, *others = cause.smallest_first(vectors)
@@ -254,7 +255,7 @@ def test_pip_says_why_it_failed(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_this_reference_is_judged_through_its_own_protocol() -> None:
-    with External([sys.executable, "-m", "scenic_ref.conformance.serving"]) as served:
+    with External([sys.executable, "-m", "scenic_ref.conformance.implementations.harness_server"]) as served:
         assert served.name == Ourselves.name and served.follows("soft", "scene")
         verdicts = [judge(served, vector).verdict for vector in list(VECTORS.values())[::40] if vector.kind != "density"]
     assert {v.status for v in verdicts} == {"passed"}, verdicts

@@ -6,10 +6,17 @@ import math
 import tomllib
 
 import pytest
-from scenic_ref.conformance.fields import VectorFields
-from scenic_ref.conformance.laws import FAMILIES, THRESHOLD, Moments, contradiction, read_cdf
-from scenic_ref.conformance.paths import close, read_path
-from scenic_ref.conformance.shapes import SHAPES, read_shape
+from scenic_ref.conformance.matchers.common import close, read_path
+from scenic_ref.conformance.matchers.distributions import (
+    FAMILIES,
+    SHAPES,
+    THRESHOLD,
+    Moments,
+    contradiction,
+    read_cdf,
+    read_shape,
+)
+from scenic_ref.conformance.strict_tables import VectorFields
 
 CDFS = [
     ('name = "uniform"\nlow = -2\nhigh = 2', {-3: 0, -2: 0, -1: 0.25, 0: 0.5, 2: 1, 9: 1}),

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from scenic_ref.api import Scenario
 from scenic_ref.conformance import Ourselves
-from scenic_ref.conformance.implementation import Task
+from scenic_ref.conformance.implementations.protocol import Task
 from scenic_ref.inference.batch import block_rejection
 from scenic_ref.inference.enumeration import Enumeration
 from scenic_ref.inference.simulation_rejection import SampledRun

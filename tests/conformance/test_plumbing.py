@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 from scenic_ref.conformance import ConformanceVector, Enumerated, NeverAccepted, Ourselves, Refused, Task, judge, load_vectors
-from scenic_ref.conformance.implementation import SceneRecord
-from scenic_ref.conformance.loading import read_file
+from scenic_ref.conformance.implementations.protocol import SceneRecord
+from scenic_ref.conformance.vector_files import read_file
 
 VECTORS = {v.name: v for v in load_vectors() if v.name.startswith("plumbing-")}
 Change = Callable[[object], object]

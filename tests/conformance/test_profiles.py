@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import Ourselves, judge, load_vectors
-from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.measurements import Measurement, measurements
+from scenic_ref.conformance.vector_files import read_file
 from scenic_ref.semantics.readings import READINGS
 
 OWN = Path(__file__).parents[2] / "tools" / "profile_vectors.toml"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.conformance.fuzzing.shrinking import shrunk
+from scenic_ref.conformance.fuzz.shrinking import shrunk
 
 
 def never() -> bool:

@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import pytest
 from scenic_ref.conformance import ConformanceVector, Enumerated, NeverAccepted, Ourselves, Refused, Task, judge, load_vectors
-from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord
-from scenic_ref.conformance.loading import read_file
-from scenic_ref.conformance.simulations import AlwaysRejected, Simulations
+from scenic_ref.conformance.implementations.protocol import SceneRecord, SimulationRecord
+from scenic_ref.conformance.matchers.simulations import AlwaysRejected, Simulations
+from scenic_ref.conformance.vector_files import read_file
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES

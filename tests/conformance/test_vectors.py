@@ -11,12 +11,18 @@ from math import inf, log, sqrt
 from statistics import mean, stdev
 
 import pytest
-from scenic_ref.conformance import ConformanceVector, Ourselves, judge, load_vectors, statistical
-from scenic_ref.conformance.refusals import REQUIREMENTS, Error, Rejection
+from scenic_ref.conformance import ConformanceVector, Ourselves, judge, load_vectors
+from scenic_ref.conformance.matchers import distributions
+from scenic_ref.conformance.matchers.distributions import (
+    THRESHOLD,
+    Probabilities,
+    QuantityLaw,
+    QuantitySupport,
+)
+from scenic_ref.conformance.matchers.errors import REQUIREMENTS, Error, Rejection
+from scenic_ref.conformance.matchers.simulations import Simulations
+from scenic_ref.conformance.matchers.values import SceneValues
 from scenic_ref.conformance.reports import UNREACHABLE, shows
-from scenic_ref.conformance.simulations import Simulations
-from scenic_ref.conformance.statistical import THRESHOLD, Probabilities, QuantityLaw, QuantitySupport
-from scenic_ref.conformance.values import SceneValues
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
 from scenic_ref.semantics.python.builtins import CONSTRUCTORS
@@ -92,7 +98,7 @@ def expected_log_ratio(shares: list[tuple[float, float]]) -> tuple[float, float]
 def test_there_are_samples_enough_whatever_the_seed(vector: ConformanceVector, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of twelve seeds each passes, and the evidence against the rival lies four of its deviations above what is wanted."""
     found: list[float] = []
-    monkeypatch.setattr(statistical, "told_apart", lambda against, against_rival, what: found.append(against_rival))
+    monkeypatch.setattr(distributions, "told_apart", lambda against, against_rival, what: found.append(against_rival))
     backend = Ourselves.by_batch()
     assert {judge(backend, vector, seed=seed).verdict.status for seed in range(12)} == {"passed"}
     assert len(found) == 12

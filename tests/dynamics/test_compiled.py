@@ -10,10 +10,9 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance.loading import load_vectors
-from scenic_ref.conformance.ourselves import load
-from scenic_ref.conformance.programs.dynamic import dynamic_program
-from scenic_ref.conformance.programs.dynamic_mistakes import misbehaving
+from scenic_ref.conformance.generator.dynamic_programs import dynamic_program
+from scenic_ref.conformance.implementations.reference import load
+from scenic_ref.conformance.vector_files import load_vectors
 from scenic_ref.inference import simulation_rejection
 from scenic_ref.semantics.kernel.errors import FuelExhausted, UsageError
 from scenic_ref.simulators.behaviors import generators, policy
@@ -22,6 +21,7 @@ from scenic_ref.simulators.behaviors.policy import CompiledPolicy
 
 from ..oracle.invention import invented
 from ..oracle.programs import text_of
+from ..programs.dynamic_mistakes import misbehaving
 from .compared import differences, said
 from .programs_by_hand import BY_HAND
 

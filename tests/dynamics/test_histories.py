@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
+from scenic_ref.conformance.generator.dynamic_programs import STEPS, dynamic_programs
 from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, evidence
 from scenic_ref.inference.enumeration import enumerate_simulations

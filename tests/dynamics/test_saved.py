@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.api import Scenario
-from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
+from scenic_ref.conformance.generator.dynamic_programs import STEPS, dynamic_programs
 from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import drive

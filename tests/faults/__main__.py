@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from scenic_ref.conformance.fuzzing.examining import OUR_FAULT
+from scenic_ref.conformance.fuzz.examination import OUR_FAULT
 
 from .faults import FAULTS, Fault, wrong_machine
 
@@ -23,7 +23,7 @@ def first_finding(fault: Fault, limit: str, seed: int, workers: int) -> tuple[fl
     """The seconds until the first finding, and what was said of it; "" if there was none."""
     with tempfile.TemporaryDirectory() as folder:
         machine = wrong_machine(fault, Path(folder))
-        served = f"env PYTHONPATH={machine} {sys.executable} -P -m scenic_ref.conformance.serving"
+        served = f"env PYTHONPATH={machine} {sys.executable} -P -m scenic_ref.conformance.implementations.harness_server"
         command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", served, "--time", limit, "--seed", str(seed), "-o", f"{folder}/campaign"]
         began = time.monotonic()
         with subprocess.Popen([*command, "--workers", str(workers)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.api import Scenario, loads
-from scenic_ref.conformance.programs import ProgramSettings
-from scenic_ref.conformance.programs.generate import random_program
+from scenic_ref.conformance.generator import ProgramSettings
+from scenic_ref.conformance.generator.programs import random_program
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch import Batch
 from scenic_ref.inference.comparison import compare

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.conformance.programs import ProgramSettings
+from scenic_ref.conformance.generator import ProgramSettings
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference import chain_diagnostics, mcmc, smc
 from scenic_ref.inference.comparison.exact_laws import Categorical, Continuous, contradicts

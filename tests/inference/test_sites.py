@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.api import Scenario, loads
-from scenic_ref.conformance.programs import ProgramSettings
-from scenic_ref.conformance.programs.generate import random_program
+from scenic_ref.conformance.generator import ProgramSettings
+from scenic_ref.conformance.generator.programs import random_program
 from scenic_ref.data.scene import scene_of
 from scenic_ref.inference.batch.violations import points_away, polygon_margin
 from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, Continuous, contradicts

@@ -12,7 +12,7 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.api import Scenario
-from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, Block
 from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import ConformanceVector, load_vectors
-from scenic_ref.conformance.ourselves import Ourselves
-from scenic_ref.conformance.running import judge
+from scenic_ref.conformance.implementations.reference import Ourselves
+from scenic_ref.conformance.judge import judge
 from scenic_ref.interpreter.language.conversion import convert
 from scenic_ref.interpreter.language.modules import library_of
 from scenic_ref.interpreter.language.parser import parse

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from scenic_ref.conformance.environments import MADE, Release, make
+from scenic_ref.conformance.implementations.environments import MADE, Release, make
 from scenic_ref.interpreter.runtime.cache_folders import cache_place
 from scenic_ref.roads import read_map
 from scenic_ref.roads.map_generator import made

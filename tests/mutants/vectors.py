@@ -108,8 +108,8 @@ class Known:
 
 def imported_package() -> None:
     """Import what judges vectors. Raises `RuntimeError` if the package is imported from elsewhere than this tree."""
-    import scenic_ref.conformance.loading
     import scenic_ref.conformance.reports
+    import scenic_ref.conformance.vector_files
 
     if Path(scenic_ref.__file__).resolve().parent != ROOT.resolve():
         raise RuntimeError(f"scenic_ref is imported from {scenic_ref.__file__}, and not from {ROOT}")
@@ -173,7 +173,7 @@ def shows(vector: Any) -> frozenset[str]:
 def judged(table: Table) -> tuple[Any, Any]:
     """A vector, and the verdict on ourselves."""
     from scenic_ref.conformance import Ourselves, judge
-    from scenic_ref.conformance.loading import read_vector
+    from scenic_ref.conformance.vector_files import read_vector
 
     vector = read_vector(*table)
     return vector, judge(Ourselves(), vector).verdict

@@ -11,13 +11,13 @@ import os
 import pytest
 from hypothesis import given
 from scenic_ref.api import loads
-from scenic_ref.conformance.programs import ProgramSettings
-from scenic_ref.conformance.programs.agreement import Rival, agreement
-from scenic_ref.conformance.programs.strategies import finite_programs
+from scenic_ref.conformance.generator import ProgramSettings
+from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import COUNT, quick
+from .frequency_agreement import Rival, agreement
 
 SEED = int(os.environ.get("SCENIC_REF_SEED", "2026"))  # pinned, but for `make nightly`
 PROCESSES = min(2, os.cpu_count() or 1)

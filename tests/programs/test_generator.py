@@ -13,11 +13,18 @@ from functools import cache
 import pytest
 from hypothesis import HealthCheck, find, settings
 from scenic_ref.api import Scenario
-from scenic_ref.conformance.programs import Choices, ProgramSettings, generate, random_program, random_programs
-from scenic_ref.conformance.programs.permuting import nodes
-from scenic_ref.conformance.programs.strategies import programs
+from scenic_ref.conformance.generator import (
+    Choices,
+    ProgramSettings,
+    generate,
+    random_program,
+    random_programs,
+)
+from scenic_ref.conformance.generator.hypothesis_strategies import programs
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 from scenic_ref.semantics.syntax import Node, Program, expressions, python_expressions, specifiers, statements
+
+from .specifier_permutations import nodes
 
 COUNT = 400
 SEED = 2026
@@ -60,7 +67,7 @@ def digest(count: int) -> str:
 @pytest.mark.parametrize("hash_seed", ["0", "17"])
 def test_another_process_writes_the_same_programs(hash_seed: str):
     code = (
-        "import hashlib\nfrom scenic_ref.conformance.programs import random_programs\n"
+        "import hashlib\nfrom scenic_ref.conformance.generator import random_programs\n"
         f"print(hashlib.sha256(''.join(p.text for p in random_programs(40, {SEED})).encode()).hexdigest())"
     )
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}

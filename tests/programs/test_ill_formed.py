@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from scenic_ref.api import Scenario, loads
-from scenic_ref.conformance.programs import ProgramSettings, SeededChoices, generate
-from scenic_ref.conformance.programs.ill_formed import IllFormed, planted, right
-from scenic_ref.conformance.programs.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, Mistake
-from scenic_ref.conformance.programs.strategies import ill_formed_programs
+from scenic_ref.conformance.generator import ProgramSettings, SeededChoices, generate
+from scenic_ref.conformance.generator.hypothesis_strategies import ill_formed_programs
+from scenic_ref.conformance.generator.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, IllFormed, Mistake, planted, right
 from scenic_ref.interpreter.language import checks
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, ResolutionError

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance.programs.dynamic_mistakes import Misbehaving, misbehaving
 from scenic_ref.inference.simulation_rejection import sample_simulation
 from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.simulators.kinematic import Kinematic
 from scenic_ref.simulators.still import Still
+
+from .dynamic_mistakes import Misbehaving, misbehaving
 
 
 @pytest.mark.parametrize("wrong", list(misbehaving()), ids=lambda wrong: wrong.mistake)

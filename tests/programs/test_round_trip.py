@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import given
-from scenic_ref.conformance.programs.strategies import finite_programs, programs
+from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs, programs
 from scenic_ref.interpreter.language.checks import check
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.printer import to_source

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scenic_ref.api import Scenario, loads
-from scenic_ref.conformance.programs.replaying import first_accepted, replayed
-from scenic_ref.conformance.programs.strategies import programs
+from scenic_ref.conformance.generator.hypothesis_strategies import programs
 from scenic_ref.data.scene import Scene
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick
+from .run_replays import first_accepted, replayed
 
 ATTEMPTS = 12
 

@@ -13,15 +13,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scenic_ref.api import loads
-from scenic_ref.conformance.programs import ProgramSettings, random_programs
-from scenic_ref.conformance.programs.choices import SeededChoices
-from scenic_ref.conformance.programs.permuting import has_order, permuted
-from scenic_ref.conformance.programs.strategies import finite_programs
+from scenic_ref.conformance.generator import ProgramSettings, random_programs
+from scenic_ref.conformance.generator.choice_sources import SeededChoices
+from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs
 from scenic_ref.data.scene import Scene
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick
+from .specifier_permutations import has_order, permuted
 from .test_scenes import scene_or_none
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import Task, judge, load_vectors
-from scenic_ref.conformance.external import External
-from scenic_ref.conformance.implementation import Unsupported
+from scenic_ref.conformance.implementations.harness_client import External
+from scenic_ref.conformance.implementations.protocol import Unsupported
 
 from . import theory
 from .coq import PROOFS, needs_coq

@@ -14,8 +14,15 @@ from random import Random
 from typing import Any
 
 import scenic_ref
-from scenic_ref.conformance.implementation import Enumerated, NeverAccepted, Refused, SceneRecord, Task, Unsupported
-from scenic_ref.conformance.serving import serve
+from scenic_ref.conformance.implementations.harness_server import serve
+from scenic_ref.conformance.implementations.protocol import (
+    Enumerated,
+    NeverAccepted,
+    Refused,
+    SceneRecord,
+    Task,
+    Unsupported,
+)
 from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.readings import READINGS
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from math import isfinite
 
-from scenic_ref.conformance.implementation import Unsupported
+from scenic_ref.conformance.implementations.protocol import Unsupported
 from scenic_ref.semantics.python.builtins import BUILTINS
 from scenic_ref.semantics.syntax import Block, Expression, Program, Specifier
 from scenic_ref.semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator, ObjectOrValue, VectorOf

@@ -12,10 +12,10 @@ from typing import Any
 
 import pytest
 from scenic_ref.conformance import load_vectors
-from scenic_ref.conformance.implementation import Refused
-from scenic_ref.conformance.ourselves import Ourselves
+from scenic_ref.conformance.implementations.protocol import Refused
+from scenic_ref.conformance.implementations.reference import Ourselves
+from scenic_ref.conformance.judge import fired_in, judge
 from scenic_ref.conformance.reports import UNREACHABLE
-from scenic_ref.conformance.running import fired_in, judge
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.outcome import Draw, Fault, Outcome

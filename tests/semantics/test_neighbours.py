@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.conformance.ourselves import traced
+from scenic_ref.conformance.implementations.reference import traced
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ProgramError
 from scenic_ref.semantics.scenes import neighbours
 from scenic_ref.semantics.space import crowds, geometry

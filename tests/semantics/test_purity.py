@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 import pytest
 import scenic_ref
 from scenic_ref.conformance import load_vectors
-from scenic_ref.conformance.implementation import Refused
-from scenic_ref.conformance.ourselves import Ourselves
-from scenic_ref.conformance.running import fired_in
+from scenic_ref.conformance.implementations.protocol import Refused
+from scenic_ref.conformance.implementations.reference import Ourselves
+from scenic_ref.conformance.judge import fired_in
 from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.semantics.kernel import budget, scopes, versions
 from scenic_ref.semantics.kernel.allowed import ATTRIBUTES, is_user_made

@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 from scenic_ref.api import loads
 from scenic_ref.conformance import load_vectors
-from scenic_ref.conformance.implementation import NeverAccepted, Refused
-from scenic_ref.conformance.ourselves import Ourselves, load, loaded, traced
-from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.conformance.generator import ProgramSettings, random_programs
+from scenic_ref.conformance.implementations.protocol import NeverAccepted, Refused
+from scenic_ref.conformance.implementations.reference import Ourselves, load, loaded, traced
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.interpreter.runtime import trace

@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 import scenic_ref
 from scenic_ref.conformance import ConformanceVector, load_vectors
-from scenic_ref.conformance.ourselves import load, traced
-from scenic_ref.conformance.refusals import Error, Rejection
+from scenic_ref.conformance.implementations.reference import load, traced
+from scenic_ref.conformance.matchers.errors import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.rules import CATALOGUE, RELEASED, RULES, Rule
