@@ -26,7 +26,7 @@ def finite(kind: str, name: str, value: float) -> float:
     return found
 
 
-def field(kind: str, value: VectorField | None) -> VectorField | None:
+def checked_number_field(kind: str, value: VectorField | None) -> VectorField | None:
     """`value` if it is a vector field or None; otherwise `BadRegion`."""
     if value is not None and not isinstance(value, VectorField):
         raise BadRegion(f"the orientation of a {kind} must be a vector field, not {value!r}")

@@ -18,7 +18,7 @@ from ..numeric import lifted, pick
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, window_around
-from .checking import field, vectors
+from .checking import checked_number_field, vectors
 from .errors import BadRegion, EmptyRegion
 from .intervals import Intervals
 from .plane_shapes import PlaneShape
@@ -58,7 +58,7 @@ class PolylineRegion(Region):
         self.polyline = MultiLineString([[(v.x, v.y) for v in path] for path in paths])
         shapely.prepare(self.polyline)
         along = AlongCurve(f"along {name or 'polyline'}", self)
-        self.orientation = along if orientation is True else field("PolylineRegion", orientation or None)
+        self.orientation = along if orientation is True else checked_number_field("PolylineRegion", orientation or None)
 
     def __repr__(self) -> str:
         return f"PolylineRegion({self.name or self.polyline!r})"
@@ -203,7 +203,7 @@ class PointSetRegion(Region):
         orientation: VectorField | None = None,
     ) -> None:
         self.name = name
-        self.orientation = field("PointSetRegion", orientation)
+        self.orientation = checked_number_field("PointSetRegion", orientation)
         self._points = tuple(dict.fromkeys(vectors("set of points", points)))
         self._shape = MultiPoint([(v.x, v.y) for v in self._points])
         shapely.prepare(self._shape)

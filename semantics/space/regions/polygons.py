@@ -16,7 +16,7 @@ from ..numeric import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
-from .checking import field, vectors
+from .checking import checked_number_field, vectors
 from .errors import BadRegion
 from .intervals import Intervals
 from .plane_shapes import PlaneShape
@@ -48,7 +48,7 @@ class PolygonalRegion(Region):
             points, polygon = None, points  # type: ignore[assignment]
         parts = [_from_points(points)] if points is not None else _parts(polygon)
         self.name = name
-        self.orientation = field("PolygonalRegion", orientation)
+        self.orientation = checked_number_field("PolygonalRegion", orientation)
         self.polygon: Polygon | MultiPolygon = _united([_checked(part) for part in parts])
 
     def __repr__(self) -> str:
