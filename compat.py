@@ -24,12 +24,12 @@ from .data.scene import SceneObject
 from .interpreter.language.dialects import MARK
 from .interpreter.language.modules import read_text
 from .interpreter.language.parser import parse
-from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
-from .semantics.kernel.scopes import descendants
-from .semantics.kernel.values import Random
+from .semantics.machine.values import Random
 from .semantics.space import geometry
 from .semantics.space.regions import Region
 from .semantics.space.vectors import Vector
+from .semantics.store.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
+from .semantics.store.scopes import descendants
 from .semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator
 
 

@@ -1,3 +1,3 @@
 """The classes of errors (docs/errors.md): `from scenic_ref.errors import ParseError`."""
 
-from .semantics.kernel.errors import *  # noqa: F403
+from .semantics.store.errors import *  # noqa: F403

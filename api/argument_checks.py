@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import PathLike
 
-from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.suggestions import did_you_mean
+from ..semantics.store.errors import UsageError
+from ..semantics.store.suggestions import did_you_mean
 
 
 def check_whole(*named: tuple[str, object, int | None]) -> None:

@@ -12,13 +12,13 @@ from ..inference.batch.symbolic import Choice, nodes_in
 from ..inference.batch.tracing import Lifted, trace
 from ..interpreter.runtime.answerers import AS_THEY_ARE
 from ..interpreter.runtime.program_run import Accepted
-from ..semantics.kernel.allowed import is_user_made
-from ..semantics.kernel.errors import AttemptsExhausted, UsageError
-from ..semantics.kernel.outcome import Draw, GivenValues, KnownDraw, Outcome
-from ..semantics.kernel.scopes import descendants
-from ..semantics.kernel.values import CONTAINERS, Dynamic, Instance, Random, unwrap
+from ..semantics.machine.outcome import Draw, GivenValues, KnownDraw, Outcome
+from ..semantics.machine.sandbox_table import is_user_made
+from ..semantics.machine.values import CONTAINERS, Dynamic, Instance, Random, unwrap
 from ..semantics.space.distributions import Distribution, PointIn
 from ..semantics.space.vectors import Vector
+from ..semantics.store.errors import AttemptsExhausted, UsageError
+from ..semantics.store.scopes import descendants
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
 from .pickling import Condition

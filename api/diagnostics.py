@@ -16,8 +16,8 @@ from ..interpreter.language.lint import (
 )
 from ..interpreter.language.modules import Library
 from ..pictures.map_layers import FEATURES, SITE
-from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, ScenicError
 from ..semantics.python.builtins import BUILTINS, OF_RELEASES
+from ..semantics.store.errors import AttemptsExhausted, ProgramError, ScenicError
 from ..semantics.syntax import Program, Span
 from ..semantics.syntax.statements import Param
 from ..simulators.protocol import PROPERTIES_READ

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..interpreter.language.modules import read_text
 from ..interpreter.language.parser import parse
 from ..interpreter.runtime.program_run import DEFAULT_FUEL
-from ..semantics.kernel.errors import ScenicError, UsageError
+from ..semantics.store.errors import ScenicError, UsageError
 from .diagnostics import given_in_vain
 from .scenario import Scenario
 

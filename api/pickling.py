@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..interpreter.language.parser import parse
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from ..semantics.syntax import Program
 
 if TYPE_CHECKING:

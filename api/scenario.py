@@ -38,13 +38,13 @@ from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..pictures.notebook_views import line_of_program, page_of_program
 from ..pictures.scene_figures import draw_scenes, size_of
-from ..semantics.kernel.config import Config, Settings, State
-from ..semantics.kernel.errors import AttemptsExhausted, InternalError, NoEgo, UsageError
-from ..semantics.kernel.outcome import Done, GivenValues, Outcome
-from ..semantics.kernel.scopes import descendants
-from ..semantics.kernel.values import unwrap
+from ..semantics.machine.config import Config, Settings, State
+from ..semantics.machine.outcome import Done, GivenValues, Outcome
+from ..semantics.machine.values import unwrap
 from ..semantics.programs import definitions, initial, make_settings
 from ..semantics.readings import select
+from ..semantics.store.errors import AttemptsExhausted, InternalError, NoEgo, UsageError
+from ..semantics.store.scopes import descendants
 from ..semantics.syntax import Node, Program, Span
 from ..semantics.syntax.python_expressions import Call, Comparison, Name
 from ..semantics.syntax.statements import Require

@@ -15,12 +15,12 @@ from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..interpreter.language.parser import parse
 from ..interpreter.runtime.process_sandbox import within
 from ..interpreter.runtime.program_run import endless
-from ..semantics.kernel.config import Config, State, Value
-from ..semantics.kernel.driving import Arrived, Unfinished, drive_machine, taken_over
-from ..semantics.kernel.errors import RunError, UsageError
-from ..semantics.kernel.host import HostException
-from ..semantics.kernel.outcome import Draw, Fault
+from ..semantics.machine.config import Config, State, Value
+from ..semantics.machine.host_calls import HostException
+from ..semantics.machine.outcome import Draw, Fault
+from ..semantics.machine.run_loop import Arrived, Unfinished, drive_machine, taken_over
 from ..semantics.step import step
+from ..semantics.store.errors import RunError, UsageError
 from ..semantics.syntax import Expression
 from ..semantics.syntax.statements import ExpressionStatement
 

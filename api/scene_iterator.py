@@ -17,7 +17,7 @@ from ..inference.batch.jobs.worker_pools import jobs
 from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.runtime.optional_packages import needed
 from ..pictures.notebook_views import counted
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .argument_checks import no_backend
 
 if TYPE_CHECKING:

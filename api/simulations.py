@@ -13,7 +13,7 @@ from ..data.simulation import Simulated
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.batch.jobs.worker_pools import processes
 from ..inference.simulation_rejection import SampledRun, accepted
-from ..semantics.kernel.errors import ScenicError, UsageError
+from ..semantics.store.errors import ScenicError, UsageError
 from ..simulators import by_name
 from ..simulators.actions import ACTIONS
 from ..simulators.protocol import Simulator

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .own_driver import DrivingTask
 from .own_sampler import SamplingTask
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..interpreter.runtime.optional_packages import is_installed
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .end_to_end import FORMATS, NEED_ARROW, RunToFile
 from .figures import Cell, Figures, load
 from .growth import WHAT, contenders, programs

@@ -17,7 +17,7 @@ from typing import Any
 from ..api import Scenario, load
 from ..inference.batch import Batch
 from ..inference.batch.jobs.worker_pools import GROWTH, LARGEST, QUICK
-from ..semantics.kernel.errors import ScenicError
+from ..semantics.store.errors import ScenicError
 from .released_sampler import peak
 
 SMALLEST = 256

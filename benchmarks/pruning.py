@@ -22,7 +22,7 @@ from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.traced_points import record
-from scenic_ref.semantics.kernel.config import Config
+from scenic_ref.semantics.machine.config import Config
 
 CHOICES = {**{technique: (technique,) for technique in TECHNIQUES}, "the paper's": PAPER, "all": TECHNIQUES}
 FUEL = 5_000_000

@@ -17,7 +17,7 @@ from ..inference.batch.jobs.failures import FailedDraw, failed
 from ..inference.batch.jobs.memory_files import Shelf, lay
 from ..inference.batch.jobs.worker_pools import FIRST, Pace, Workers, block_of
 from ..inference.comparison.scene_columns import FeatureTable
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.machine.outcome import Requirement
 from .options import Source
 from .scene_sampler import Drawing, Softness, drawing_of
 from .workers import Job

@@ -72,7 +72,7 @@ def bench(
     """
     from ..benchmarks.end_to_end import FORMATS
     from ..benchmarks.measurement import CourseRequest, measure
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .session import tell
 
     context.obj.seed = seed

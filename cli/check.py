@@ -95,7 +95,7 @@ def check(
     With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong usage, 5
     inconclusive (too few samples for --detect-tv).
     """
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .session import escaped
 
     session = context.obj

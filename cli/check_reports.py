@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 from ..inference.comparison import Feature, Verdict
 from ..inference.comparison.scene_columns import unit_of
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .options import Source
 from .output_paths import check_place, write
 

@@ -82,7 +82,7 @@ def opened(impl: str, seconds: float) -> External:
     """The implementation that the option names, which has said its name. Raises `UsageError`."""
     from ..conformance.implementations.environments import implementation
     from ..conformance.implementations.line_process import ImplementationFault
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     if not 0 < seconds < float("inf"):
         raise UsageError(f"--seconds is the time for an answer, not {seconds:g}")
@@ -97,7 +97,7 @@ def opened(impl: str, seconds: float) -> External:
 
 def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:
     """The vectors that were asked for. Raises `UsageError` if there are none."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     for name in names or ():
         if name not in {v.name for v in vectors}:
@@ -111,7 +111,7 @@ def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: l
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """A hint with the most similar name."""
-    from ..semantics.kernel.suggestions import did_you_mean
+    from ..semantics.store.suggestions import did_you_mean
 
     return did_you_mean(name, known, "`scenic-ref conformance -v` lists them")
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 if TYPE_CHECKING:
     from ..conformance.implementations.harness_client import External

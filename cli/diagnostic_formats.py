@@ -13,8 +13,8 @@ from .. import __version__
 from ..api.diagnostics import Diagnostic, checked, of_error, of_warning, record
 from ..data.scene import in_json, in_utf8
 from ..interpreter.language.lint import KINDS
-from ..semantics.kernel.errors import ScenicError, UsageError
-from ..semantics.kernel.suggestions import did_you_mean
+from ..semantics.store.errors import ScenicError, UsageError
+from ..semantics.store.suggestions import did_you_mean
 from .error_messages import render, render_warning
 from .progress_bar import running_once
 from .scene_sampler import tell_notes

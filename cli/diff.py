@@ -78,7 +78,7 @@ def diff(
     from ..conformance.diff.scene_differences import differences
     from ..conformance.diff.sequential_diff import DiffSettings
     from ..inference.comparison.comparison import check_settings
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .conformance import opened
     from .output_paths import check_ending, check_place
 
@@ -115,7 +115,7 @@ def diff(
 
 def programs_in(place: str) -> list[str]:
     """The program, or those of a folder and the folders in it, in order. Raises `UsageError` if there are none."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     if not Path(place).is_dir():
         return [place]
@@ -151,8 +151,8 @@ def program_of(source: Source, other: External) -> AskedProgram | str:
     from ..interpreter.language.dialects import DIALECTS, choose
     from ..interpreter.language.modules import library_of
     from ..interpreter.language.parser import parse
-    from ..semantics.kernel.errors import ProgramError
     from ..semantics.readings import select
+    from ..semantics.store.errors import ProgramError
     from ..semantics.syntax import Program
     from ..simulators.worlds import WORLDS
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..semantics.kernel.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
-from ..semantics.kernel.memory import is_out_of_memory
+from ..semantics.store.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
+from ..semantics.store.memory_errors import is_out_of_memory
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def rule_named(identifier: str) -> str:
 
 
 def _worst(error: AttemptsExhausted, texts: Mapping[str, str]) -> list[str]:
-    from ..semantics.kernel.outcome import Requirement
+    from ..semantics.machine.outcome import Requirement
     from .run_report import requirement_lines
 
     return ["", *requirement_lines([(r, count) for r, count in error.stuck if isinstance(r, Requirement)], texts, limit=WORST)]

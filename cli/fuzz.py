@@ -65,8 +65,8 @@ def fuzz(
     from ..conformance.fuzz.examination import CampaignSettings
     from ..conformance.fuzz.triage import findings_at, findings_of
     from ..inference.comparison.comparison import check_settings
-    from ..semantics.kernel.errors import UsageError
     from ..semantics.readings import select
+    from ..semantics.store.errors import UsageError
     from .conformance import opened
     from .fuzz_reports import FINDINGS, write_reports
 
@@ -102,7 +102,7 @@ def fuzz(
 
 def seconds_in(text: str, at_least: float) -> float:
     """A length of time as seconds: a number, of seconds or with the unit s, m or h. Raises `UsageError`."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     number, unit = (text[:-1], text[-1:]) if text[-1:] in UNITS else (text, "s")
     try:

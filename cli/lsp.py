@@ -29,7 +29,7 @@ def lsp(
     with the limits of `check`, and never trusted. It needs the extra `lsp`.
     """
     from ..interpreter.runtime.optional_packages import needed
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .options import seconds_of
 
     seconds = seconds_of(limit_seconds)

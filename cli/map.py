@@ -49,7 +49,7 @@ def show_map(
 
     Exit codes: 0, 1 if --check finds something, 2 wrong usage or a broken map.
     """
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .output_paths import PICTURES, check_file, check_place, write
 
     check_file("--plot", plot, "pictures", PICTURES)
@@ -96,7 +96,7 @@ def show_map(
 
 def crs_in(given: list[str]) -> str | None:
     """The parameter map_crs, None if it is not given. Raises `UsageError` for others."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from ..simulators.worlds.site_maps import CRS
     from .options import literal, pairs
 
@@ -133,7 +133,7 @@ def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) ->
 def explained(kind: str | None) -> list[str]:
     """The parameters of a kind of map. Raises `UsageError` if there is none."""
     from ..roads.map_generator import KINDS
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .text_columns import columns
 
     if kind is None:
@@ -147,7 +147,7 @@ def explained(kind: str | None) -> list[str]:
 def text_of(kind: str, given: list[str]) -> str:
     """The map of a kind with these parameters. Raises `UsageError`."""
     from ..roads.map_generator import KINDS, made
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .options import literal, pairs
 
     truths = {"true": True, "false": False}

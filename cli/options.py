@@ -130,7 +130,7 @@ def read_source(
 
 def with_map(params: tuple[tuple[str, str], ...], map: str | None) -> tuple[tuple[str, str], ...]:
     """The global parameters, with the one that `--map` gives. Raises `UsageError` if it is given twice."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     if map is None:
         return params
@@ -146,7 +146,7 @@ def limits_of(memory: str, seconds: str) -> Limits:
 
 def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:
     """`NAME=VALUE` arguments as pairs; the last one of a name counts. Raises `UsageError`."""
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
 
     found: dict[str, str] = {}
     for text in given or ():

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..data.atomic_files import write_whole
-from ..semantics.kernel.errors import UsageError
+from ..interpreter.runtime.atomic_files import write_whole
+from ..semantics.store.errors import UsageError
 
 LINES = (".jsonl", ".ndjson", "")
 """The endings of files of JSON Lines."""

@@ -57,8 +57,8 @@ def answers(reading: Reading, selected: str) -> str:
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
-    from ..semantics.kernel.errors import UsageError
-    from ..semantics.kernel.suggestions import did_you_mean
+    from ..semantics.store.errors import UsageError
+    from ..semantics.store.suggestions import did_you_mean
 
     return UsageError(f"there is no reading {name}", hint=did_you_mean(name, known, "`scenic-ref readings` lists them"))
 

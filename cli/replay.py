@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..api import Scenario
 from ..data.recording_reader import Recording, recording_from
 from ..inference.simulation_rejection import SampledRun
-from ..semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
+from ..semantics.store.errors import AttemptsExhausted, SimulatorError, UsageError
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
 from ..simulators.replay import Difference, difference_of

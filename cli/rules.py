@@ -40,8 +40,8 @@ def rules(
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
-    from ..semantics.kernel.errors import UsageError
-    from ..semantics.kernel.suggestions import did_you_mean
+    from ..semantics.store.errors import UsageError
+    from ..semantics.store.suggestions import did_you_mean
 
     return UsageError(f"there is no rule {name}", hint=did_you_mean(name, known, "`scenic-ref rules` lists them"))
 

@@ -118,8 +118,8 @@ def run(
     --backend enumerate answers every draw with every value, and gives each outcome with its exact probability.
     Where few runs are accepted, smc and mcmc look for scenes step by step; these are other scenes, from the same distribution.
     """
-    from ..semantics.kernel.errors import UsageError
-    from ..semantics.kernel.suggestions import did_you_mean
+    from ..semantics.store.errors import UsageError
+    from ..semantics.store.suggestions import did_you_mean
     from .scene_run import SceneRequest, produce
 
     session = context.obj

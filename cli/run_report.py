@@ -20,7 +20,7 @@ from .error_messages import WORST, source_line
 from .output_paths import write
 
 if TYPE_CHECKING:
-    from ..semantics.kernel.outcome import Requirement
+    from ..semantics.machine.outcome import Requirement
     from ..semantics.syntax.nodes import Span
     from .batch_sampler import Portion
     from .scene_sampler import Drawing, DrawnScene, Softness

@@ -36,7 +36,7 @@ from ..data.simulation import SCHEMA as SIMULATION_SCHEMA
 from ..data.table_files import SUFFIXES
 from ..inference.batch.jobs.memory_files import LaidText
 from ..inference.batch.jobs.worker_pools import uninterrupted
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 if TYPE_CHECKING:
     from .batch_sampler import Form, Portion

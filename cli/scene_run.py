@@ -15,7 +15,7 @@ from ..inference.batch.numpy_evaluator import leavers
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..pictures.notebook_views import counted
-from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+from ..semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
 from .batch_sampler import Portion, portions
 from .error_messages import WORST
 from .options import Source

@@ -14,15 +14,15 @@ from ..api.diagnostics import warnings_about
 from ..data.scene import Scene, scene_of
 from ..interpreter.language.dialects import DEFAULT, DIALECTS
 from ..interpreter.runtime.program_run import Accepted, Witness
-from ..semantics.kernel.conditions import bool_of
-from ..semantics.kernel.config import Config, Value
-from ..semantics.kernel.driving import Arrived, drive_machine
-from ..semantics.kernel.errors import AttemptsExhausted, ScenicError
-from ..semantics.kernel.host import HostException
-from ..semantics.kernel.outcome import Draw, Next, Outcome, Requirement
-from ..semantics.kernel.scopes import descendants
-from ..semantics.kernel.values import plain
+from ..semantics.machine.conditions import bool_of
+from ..semantics.machine.config import Config, Value
+from ..semantics.machine.host_calls import HostException
+from ..semantics.machine.outcome import Draw, Next, Outcome, Requirement
+from ..semantics.machine.run_loop import Arrived, drive_machine
+from ..semantics.machine.values import plain
 from ..semantics.step import step
+from ..semantics.store.errors import AttemptsExhausted, ScenicError
+from ..semantics.store.scopes import descendants
 from ..semantics.syntax import Program
 from ..semantics.syntax.dynamics import (
     MonitorDefinition,

@@ -122,7 +122,7 @@ def simulate(
     With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded
     ones.
     """
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from .simulation_run import SimulationRequest, produce_simulations
 
     session = context.obj

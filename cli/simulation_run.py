@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from ..api.simulations import SimulationBackend
 from ..pictures.notebook_views import counted
-from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.machine.outcome import Requirement
+from ..semantics.store.errors import UsageError
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator

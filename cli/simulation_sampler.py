@@ -16,8 +16,8 @@ from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.batch.jobs.worker_pools import Workers
 from ..inference.simulation_rejection import SampledRun
 from ..pictures.replay_pages import land_below
-from ..semantics.kernel.driving import Witness
-from ..semantics.kernel.errors import InternalError, ScenicError
+from ..semantics.machine.run_loop import Witness
+from ..semantics.store.errors import InternalError, ScenicError
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator

@@ -71,7 +71,7 @@ def trace(
 
     With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
     """
-    from ..semantics.kernel.errors import UsageError
+    from ..semantics.store.errors import UsageError
     from ..simulators import by_name
     from .output_paths import check_ending, check_place
     from .scene_sampler import drawing_of, tell_notes

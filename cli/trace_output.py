@@ -16,8 +16,8 @@ from ..inference.rejection import sample
 from ..inference.simulation_rejection import NextScene, attempts_at
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.trace import Event, Trace, finite
-from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
+from ..semantics.store.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
 from .error_messages import source_line, source_text

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.batch.jobs.worker_pools import Workers, processes
 from ..inference.rejection import patiently
-from ..semantics.kernel.errors import ScenicError
+from ..semantics.store.errors import ScenicError
 from .options import Source
 from .scene_sampler import Drawing, DrawnScene, drawing_of
 

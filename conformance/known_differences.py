@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..interpreter.language.modules import read_text
-from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
+from ..semantics.store.errors import UsageError
 from .judge import Result
 from .strict_tables import VectorFields
 from .vector import ConformanceVector

@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..interpreter.language.modules import read_text
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .judge import Result
 from .verdict import STATUSES
 

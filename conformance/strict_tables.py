@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 MISSING = object()
 

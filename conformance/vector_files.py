@@ -9,9 +9,9 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 
 from ..interpreter.language.dialects import DIALECTS
-from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from ..semantics.rules import RULES
+from ..semantics.store.errors import UsageError
 from .matchers import MATCHERS
 from .matchers.errors import Error
 from .matchers.simulations import AlwaysRejected, Simulations

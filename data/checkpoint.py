@@ -13,9 +13,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from ..interpreter.language.nesting import room
-from ..semantics.kernel.allowed import MARK, is_user_class
-from ..semantics.kernel.config import State
-from ..semantics.kernel.errors import UsageError
+from ..semantics.machine.config import State
+from ..semantics.machine.sandbox_table import MARK, is_user_class
+from ..semantics.store.errors import UsageError
 
 
 def of_property(found: property) -> tuple[object, ...]:

@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple, NoReturn, TypeVar
 
-from ..semantics.kernel.errors import UsageError
 from ..semantics.space.vectors import Vector
+from ..semantics.store.errors import UsageError
 from .scene import OWN_FIELDS
 from .simulation import SCHEMA, Body
 

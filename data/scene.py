@@ -15,20 +15,20 @@ from ..pictures.map_layers import site_of
 from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plotted
 from ..pictures.scene_figures import picture
 from ..roads.user_maps import SiteMap
-from ..semantics.kernel.budget import items_of, plain_data
-from ..semantics.kernel.config import State
-from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.kinds import is_scalar
-from ..semantics.kernel.nesting import check_nesting
-from ..semantics.kernel.scenic_classes import ScenicClass
-from ..semantics.kernel.values import Instance, plain, unwrap
+from ..semantics.machine.config import State
+from ..semantics.machine.operand_kinds import is_scalar
+from ..semantics.machine.value_nesting import check_nesting
+from ..semantics.machine.values import Instance, plain, unwrap
 from ..semantics.programs import ego_of
-from ..semantics.python.texts import stable_repr
+from ..semantics.python.string_methods import stable_repr
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.space.geometry import normalise_heading
 from ..semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, everywhere
 from ..semantics.space.regions.region import Everywhere
 from ..semantics.space.vectors import Vector
+from ..semantics.store.budget import items_of, plain_data
+from ..semantics.store.errors import UsageError
+from ..semantics.store.scenic_classes import ScenicClass
 from .scene_to_scenic import program_of
 
 if TYPE_CHECKING:

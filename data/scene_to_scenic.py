@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..interpreter.language.dialects import DEFAULT, choose
 from ..interpreter.language.printer import parameter_name
-from ..semantics.kernel.allowed import is_user_made
-from ..semantics.kernel.classes import OBJECT_CLASS, built_in_defaults
-from ..semantics.kernel.sets import Set
-from ..semantics.kernel.values import Instance, unwrap
+from ..semantics.machine.sandbox_table import is_user_made
+from ..semantics.machine.values import Instance, unwrap
 from ..semantics.python.builtins import BUILTINS
-from ..semantics.python.texts import stable_repr
+from ..semantics.python.string_methods import stable_repr
 from ..semantics.space.regions import (
     CircularRegion,
     RectangularRegion,
@@ -24,6 +22,8 @@ from ..semantics.space.regions import (
     nowhere,
 )
 from ..semantics.space.vectors import Vector
+from ..semantics.store.built_in_classes import OBJECT_CLASS, built_in_defaults
+from ..semantics.store.sets import Set
 
 if TYPE_CHECKING:
     from .scene import Scene, SceneObject

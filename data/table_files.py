@@ -17,10 +17,10 @@ from typing import IO, TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 
+from ..interpreter.runtime.atomic_files import remove_unfinished, whole_file
 from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.process_sandbox import WALL
-from ..semantics.kernel.errors import UsageError
-from .atomic_files import remove_unfinished, whole_file
+from ..semantics.store.errors import UsageError
 from .scene import in_json
 from .scene_tables import OWN, PARTS, SCHEMA, Columns, Groups, ordered, part_of, rows_in
 from .typed_columns import (

@@ -25,7 +25,7 @@ from scenic_ref.pictures.map_figures import map_picture
 from scenic_ref.pictures.side_by_side import side_by_side
 from scenic_ref.roads import made_map
 from scenic_ref.roads.map_generator import KINDS
-from scenic_ref.semantics.kernel import allowed
+from scenic_ref.semantics.machine import sandbox_table
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
 from scenic_ref.semantics.theorems import THEOREMS
@@ -172,18 +172,18 @@ def allowed_page() -> str:
         "types from which it is derived. See [running programs of others](../security.md)."
     )
     lines = ["# What a program may ask for", "", paragraph(about), "", "| type | attributes and methods |", "| --- | --- |"]
-    lines += [f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in allowed.ATTRIBUTES.items()]
+    lines += [f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in sandbox_table.ATTRIBUTES.items()]
     for title, known in (
-        ("Builtins of Python", allowed.BUILTINS), ("Names that a class may define", allowed.OVERRIDES),
-        ("Classes that a class may be derived from", {base.__name__ for base in allowed.BASES}),
+        ("Builtins of Python", sandbox_table.BUILTINS), ("Names that a class may define", sandbox_table.OVERRIDES),
+        ("Classes that a class may be derived from", {base.__name__ for base in sandbox_table.BASES}),
     ):
         lines += ["", f"## {title}", "", paragraph(" ".join(f"`{name}`" for name in sorted(known)))]
     lines += ["", "## What methods of a program can do to Python's own types", "", paragraph(
         "Python calls methods of a program's classes while it compares, hashes, orders or writes what a container holds. Why it survives that:"
     ), "", "| type | why |", "| --- | --- |"]  # fmt: skip
-    lines += [f"| `{type_.__name__}` | {why} |" for type_, why in allowed.SAFE.items()]
+    lines += [f"| `{type_.__name__}` | {why} |" for type_, why in sandbox_table.SAFE.items()]
     called: dict[str, list[str]] = {}
-    for function, why in allowed.SAFE_FUNCTIONS.items():
+    for function, why in sandbox_table.SAFE_FUNCTIONS.items():
         if not isinstance(function, type):
             called.setdefault(why, []).append(f"`{function.__name__}`")
     lines += ["", "| function | why |", "| --- | --- |", *(f"| {' '.join(sorted(those))} | {why} |" for why, those in called.items())]

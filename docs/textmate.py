@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from scenic_ref.interpreter.language.keywords import keywords, pattern
-from scenic_ref.semantics.kernel.classes import BUILT_IN_CLASSES
 from scenic_ref.semantics.python.builtins import BUILTINS
+from scenic_ref.semantics.store.built_in_classes import BUILT_IN_CLASSES
 
 HERE = Path(__file__).with_name("scenic.tmLanguage.json")
 SCOPES = {

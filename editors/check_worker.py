@@ -20,7 +20,7 @@ from ..api import loads
 from ..api.diagnostics import checked, of_error, of_warning, record
 from ..interpreter.runtime.limits import Limits
 from ..interpreter.runtime.process_sandbox import WALL
-from ..semantics.kernel.errors import RunError, ScenicError
+from ..semantics.store.errors import RunError, ScenicError
 
 Request = Mapping[str, object]
 

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from ..interpreter.language.dialects import DIALECTS, MARK
 from ..interpreter.language.keywords import LanguageWord, keywords
-from ..semantics.kernel.classes import BUILT_IN_CLASSES
-from ..semantics.kernel.scenic_classes import ScenicClass
-from ..semantics.kernel.values import Constructor
+from ..semantics.machine.values import Constructor
 from ..semantics.python.builtins import BUILTINS
+from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
+from ..semantics.store.scenic_classes import ScenicClass
 from .name_scopes import Meaning, NameFinder, around, line_of
 from .place_meanings import PARAMETERS, class_built, module_named, param, same_brackets
 from .tokens import Line, TextPiece, lines, phrase_at, piece_at

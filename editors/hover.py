@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..semantics.kernel.classes import BUILT_IN_CLASSES
+from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
 from .name_scopes import Inherited, Meaning, NameFinder, line_of
 from .place_meanings import Subject, subject_at
 from .positions import TextLines

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from ..semantics.kernel.classes import BUILT_IN_CLASSES
+from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
 from .module_library import ModuleShelf, SourceModule
 from .outline import EVERYTHING, Definition
 

@@ -10,8 +10,8 @@ from pygments.lexer import RegexLexer, bygroups
 from pygments.token import STANDARD_TYPES, Comment, Keyword, Name, Number, Operator, Punctuation, String, Text, Whitespace, _TokenType
 
 from ..interpreter.language.keywords import keywords, pattern
-from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.python.builtins import BUILTINS
+from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
 
 TOKENS: Mapping[str, object] = {
     "keyword": Keyword, "statement": Keyword, "constant": Keyword.Constant, "specifier": Keyword.Declaration, "operator": Operator.Word,

@@ -18,7 +18,7 @@ from pygls.uris import from_fs_path, to_fs_path
 from pygls.workspace import TextDocument
 
 from .. import __version__
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .completion import Completion, suggestions
 from .definitions import DefinedAt, targets
 from .hover import hover

@@ -10,18 +10,18 @@ from typing import NamedTuple
 
 from ..interpreter.language.keywords import LanguageWord
 from ..interpreter.language.printer import to_source
-from ..semantics.kernel.classes import (
+from ..semantics.machine.values import Constructor
+from ..semantics.python.builtins import BUILTINS
+from ..semantics.rules import CATALOGUE, Rule
+from ..semantics.scenes import released_forms, specifiers
+from ..semantics.store.built_in_classes import (
     BOOLEAN_PROPERTIES,
     BUILT_IN_CLASSES,
     NON_NEGATIVE_PROPERTIES,
     SCALAR_PROPERTIES,
     VECTOR_PROPERTIES,
 )
-from ..semantics.kernel.scenic_classes import ScenicClass
-from ..semantics.kernel.values import Constructor
-from ..semantics.python.builtins import BUILTINS
-from ..semantics.rules import CATALOGUE, Rule
-from ..semantics.scenes import released, specifiers
+from ..semantics.store.scenic_classes import ScenicClass
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import expressions as e
 from ..semantics.syntax import specifiers as q
@@ -203,8 +203,8 @@ def about_rule(rule: Rule) -> str:
 @cache
 def forms() -> tuple[specifiers.Form, ...]:
     """Every form of a specifier but `with`."""
-    tables = (*(f for _, f in released.FORMS.values()), *specifiers.BESIDE.values(), *specifiers.OFFSET_BY.values())
-    more = (*released.BESIDE.values(), *released.ORIENTED_OFFSETS.values(), (released.BEYOND,))
+    tables = (*(f for _, f in released_forms.FORMS.values()), *specifiers.BESIDE.values(), *specifiers.OFFSET_BY.values())
+    more = (*released_forms.BESIDE.values(), *released_forms.ORIENTED_OFFSETS.values(), (released_forms.BEYOND,))
     return tuple(form for forms_ in (*tables, *more) for form in forms_)
 
 

@@ -20,10 +20,10 @@ from ..data.scene import Scene, scene_of
 from ..data.simulation import Simulated, to_json
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, run
 from ..pictures.notebook_views import counted
-from ..semantics.kernel.config import Config, State
-from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
-from ..semantics.kernel.outcome import Draw, Requirement
+from ..semantics.machine.config import Config, State
+from ..semantics.machine.outcome import Draw, Requirement
 from ..semantics.space.distributions import Distribution, Numbers
+from ..semantics.store.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..simulators.loop import Failed, simulate_once
 from ..simulators.protocol import Simulator
 from .simulation_rejection import exhausted

@@ -18,7 +18,7 @@ from scipy.special import betaincinv
 
 from ..data.scene import Scene, scene_of
 from ..interpreter.runtime.random_streams import fold
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.machine.outcome import Requirement
 from .batch import Batch
 from .batch.row_calls import FailedRows, note
 from .batch.scene_template import scenes_of

@@ -19,10 +19,10 @@ from pyro.infer.mcmc.mcmc_kernel import MCMCKernel
 from ..data.scene import Scene, scene_of
 from ..interpreter.runtime.program_run import Accepted, run
 from ..interpreter.runtime.random_streams import fold
-from ..semantics.kernel.config import Config
-from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.outcome import Draw
+from ..semantics.machine.config import Config
+from ..semantics.machine.outcome import Draw
 from ..semantics.space.distributions import Coin, Normal, Range
+from ..semantics.store.errors import UsageError
 from .batch import Batch
 from .moves.proposals import NAMES
 from .moves.states import States

@@ -17,9 +17,9 @@ from scipy.special import betaincinv
 from ..data.scene import Scene, scene_of
 from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
-from ..semantics.kernel.config import Config
-from ..semantics.kernel.errors import AttemptsExhausted
-from ..semantics.kernel.outcome import Draw, Requirement
+from ..semantics.machine.config import Config
+from ..semantics.machine.outcome import Draw, Requirement
+from ..semantics.store.errors import AttemptsExhausted
 from .result import LEVEL, Probability
 
 DEFAULT_ATTEMPTS = 100_000

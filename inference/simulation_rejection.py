@@ -11,10 +11,10 @@ from ..data.simulation import Simulated
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Beginnings, Chooser, Witness
 from ..pictures.notebook_views import counted
-from ..semantics.dynamics.processes import DYNAMIC
-from ..semantics.kernel.config import Config, State
-from ..semantics.kernel.errors import AttemptsExhausted
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.dynamics.coroutines import DYNAMIC
+from ..semantics.machine.config import Config, State
+from ..semantics.machine.outcome import Requirement
+from ..semantics.store.errors import AttemptsExhausted
 from ..simulators.behaviors.compiled_library import Library
 from ..simulators.behaviors.fallback import LeftToMachine
 from ..simulators.behaviors.policy import CompiledPolicy

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..interpreter.runtime.random_streams import fold
-from ..semantics.kernel.errors import AttemptsExhausted, UsageError
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.machine.outcome import Requirement
+from ..semantics.store.errors import AttemptsExhausted, UsageError
 from .batch import Batch
 from .chain_diagnostics import Diagnosis, nested
 from .moves.proposals import Moves, MovesMade

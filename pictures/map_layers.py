@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ..roads.network import Network, NetworkElement
 from ..roads.user_maps import FEATURES, SITE, SiteMap
-from ..semantics.kernel.config import State
+from ..semantics.machine.config import State
 from ..semantics.space.vectors import Vector
 
 if TYPE_CHECKING:

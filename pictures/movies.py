@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..data.simulation import Simulated
-from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
+from ..semantics.store.errors import UsageError
 from .map_layers import draw_site
 from .scene_figures import CROWD, EGO, FARTHEST, INK, MARGIN, Window, colours_by_class, draw_land, draw_scale
 

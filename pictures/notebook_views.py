@@ -9,8 +9,8 @@ from itertools import islice
 from math import degrees
 from typing import TYPE_CHECKING
 
-from ..semantics.kernel.errors import UsageError
-from ..semantics.python.texts import stable_repr
+from ..semantics.python.string_methods import stable_repr
+from ..semantics.store.errors import UsageError
 from .scene_figures import colours_of, draw, picture, views_of
 
 if TYPE_CHECKING:

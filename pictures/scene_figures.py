@@ -13,12 +13,12 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 import shapely
 
-from ..data.atomic_files import write_whole
+from ..interpreter.runtime.atomic_files import write_whole
 from ..roads.network import MapWorkspace
-from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
+from ..semantics.store.errors import UsageError
 from .map_layers import Window, draw_map, draw_site, laid, marks, polygons_in
 
 if TYPE_CHECKING:

@@ -30,10 +30,10 @@ from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..interpreter.runtime.program_run import Accepted, Witness
 from ..pictures.replay_pages import land_below, map_below, run_shown
 from ..pictures.scene_figures import check_format, picture
-from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, ScenicError, UsageError
-from ..semantics.kernel.outcome import Requirement
-from ..semantics.kernel.values import unwrap
+from ..semantics.machine.outcome import Requirement
+from ..semantics.machine.values import unwrap
 from ..semantics.readings import READINGS
+from ..semantics.store.errors import AttemptsExhausted, RunsExhausted, ScenicError, UsageError
 from ..semantics.syntax import dynamics as d
 from ..simulators import SIMULATORS, by_name
 from ..simulators.loop import Failed

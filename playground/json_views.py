@@ -26,8 +26,8 @@ from ..pictures.scene_figures import (
     window_of,
 )
 from ..roads.network import MapWorkspace
-from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
-from ..semantics.kernel.outcome import Requirement
+from ..semantics.machine.outcome import Requirement
+from ..semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
 from ..semantics.syntax.nodes import Span
 
 LONGEST_TEXT, LONGEST_LIST, DEEPEST = 400, 100, 6

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 
 from ..cli.options import Source
 from ..interpreter.runtime.limits import Limits
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 MOST_BYTES = 2_000_000
 """The longest request."""

@@ -23,7 +23,7 @@ from starlette.routing import Route
 
 from ..cli.options import Source
 from ..data.scene import in_json
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from .json_views import Json
 from .request import MOST_BYTES, PlayRequest, request_of
 from .worker_pool import WorkProcess, prepared

@@ -9,7 +9,7 @@ import zlib
 from typing import NamedTuple
 
 from ..data.scene import in_json
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 MARK = "scenic1="
 """What the part of an address behind # begins with."""

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection
 from ..api.diagnostics import of_error
 from ..data.scene import in_json
 from ..inference.batch.jobs.worker_pools import end_with_parent
-from ..semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
+from ..semantics.store.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
 from .jobs import draw_scenes, draw_values, exact_law, send_picture, send_trace, simulate, survey
 from .json_views import Json, cut_text, diagnostic_shown
 from .request import PlayRequest

@@ -22,12 +22,12 @@ import shapely
 from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
-from ..data.atomic_files import write_whole
+from ..interpreter.runtime.atomic_files import write_whole
 from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.process_sandbox import timed
 from ..interpreter.runtime.regular_file import name_and_folder, read_regular_file
-from ..semantics.kernel.errors import ScenicError, UsageError
-from ..semantics.kernel.memory import is_out_of_memory
+from ..semantics.store.errors import ScenicError, UsageError
+from ..semantics.store.memory_errors import is_out_of_memory
 from .user_maps import Doubt, MapFeature, SiteMap
 from .xml_elements import MapError
 

@@ -17,16 +17,16 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 
-from ..semantics.kernel.sets import FrozenSet
-from ..semantics.kernel.values import Special
-from ..semantics.python.specials import NO_PICKLES
+from ..semantics.machine.values import Special
+from ..semantics.python.builtin_rules import NO_PICKLES
 from ..semantics.space.absence import Absent
 from ..semantics.space.boundaries import METRES
 from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
-from ..semantics.space.numeric import lifted
+from ..semantics.space.numeric_functions import lifted
 from ..semantics.space.regions import AlongCurve, PolygonalRegion, PolylineRegion, Region, Workspace, everywhere, nowhere
-from ..semantics.space.symbols import Listed
+from ..semantics.space.symbol_seam import Listed
 from ..semantics.space.vectors import Vector
+from ..semantics.store.sets import FrozenSet
 from .immutable import Fixed, element_of
 from .lane_edges import Points, directed, strips, united
 from .map_cache import keep_cells, load_cells

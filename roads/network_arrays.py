@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from ..semantics.kernel.sets import FrozenSet
 from ..semantics.space.vectors import Vector
+from ..semantics.store.sets import FrozenSet
 from .immutable import Fixed, complete
 from .lane_edges import Points
 from .map_cache import FAULTS, Arrays, arrays_in, keep, packed, place_of, unpacked

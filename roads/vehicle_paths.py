@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString
 
-from ..semantics.kernel.kinds import kind_name
+from ..semantics.machine.operand_kinds import kind_name
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
 from .immutable import Fixed

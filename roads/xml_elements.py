@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from xml.parsers import expat
 
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 
 LARGEST = 256 << 20
 """Bytes that a file may have."""

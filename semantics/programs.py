@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from .dynamics.initial import Finishing, unassigned_ego
-from .kernel.config import Config, Settings, State
-from .kernel.errors import NoEgo
-from .kernel.host import Door
-from .kernel.kinds import is_object
-from .kernel.outcome import GivenValues
-from .kernel.scopes import Scope, target_names
-from .kernel.values import Instance, plain
+from .dynamics.initial_scenario import Finishing, unassigned_ego
+from .machine.config import Config, Settings, State
+from .machine.host_calls import Door
+from .machine.operand_kinds import is_object
+from .machine.outcome import GivenValues
+from .machine.values import Instance, plain
 from .python.builtins import builtin_scope
 from .python.functions import enter
 from .python.generators import expand
 from .python.imports import dunders
 from .step import step
+from .store.errors import NoEgo
+from .store.scopes import Scope, target_names
 from .syntax import Program, Span
 from .syntax.dynamics import BehaviorDefinition, MonitorDefinition, ScenarioDefinition
 from .syntax.python_expressions import Constant

@@ -9,10 +9,44 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, requirements, scenarios
-from .kernel import conditions, draws, queries
-from .python import assignment, calls, comprehensions, control, definitions, elementwise, expressions, functions, imports, members, specials
-from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, released, resolution, specifiers, statements
+from .dynamics import (
+    actions,
+    choose_and_shuffle,
+    declarations,
+    guards,
+    initial_scenario,
+    interrupts,
+    invocations,
+    overrides,
+    policy,
+    scenarios,
+    temporal_requirements,
+)
+from .machine import conditions, draws, world_queries
+from .python import (
+    assignment,
+    builtin_rules,
+    calls,
+    class_definitions,
+    comprehensions,
+    control_flow,
+    elementwise_builtins,
+    expressions,
+    functions,
+    imports,
+    released_members,
+)
+from .scenes import (
+    comparisons,
+    default_requirements,
+    mutation,
+    object_definitions,
+    operators,
+    released_forms,
+    resolution,
+    specifiers,
+    statements,
+)
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -109,25 +143,25 @@ def _specifier_rules() -> list[Rule]:
 
 def _released_rules() -> list[Rule]:
     """Operators and specifiers that are not in the paper."""
-    rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released.OPERATOR_REWRITINGS.values(), *released.SPECIFIER_REWRITINGS.values())]
-    tables = (*(equations for _, equations in released.OPERATORS.values()), *released.WRAPPED.values())
+    rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released_forms.OPERATOR_REWRITINGS.values(), *released_forms.SPECIFIER_REWRITINGS.values())]
+    tables = (*(equations for _, equations in released_forms.OPERATORS.values()), *released_forms.WRAPPED.values())
     equations = [_equation(q.rule, q.function, RELEASED) for equations in tables for q in equations]
-    specifiers_ = (forms for _, forms in released.SPECIFIERS.values())
-    alone = (released.BEYOND, released.ON_VECTOR)
-    forms = [f for forms in (*specifiers_, *released.BESIDE.values(), alone, *released.ORIENTED_OFFSETS.values()) for f in forms]
+    specifiers_ = (forms for _, forms in released_forms.SPECIFIERS.values())
+    alone = (released_forms.BEYOND, released_forms.ON_VECTOR)
+    forms = [f for forms in (*specifiers_, *released_forms.BESIDE.values(), alone, *released_forms.ORIENTED_OFFSETS.values()) for f in forms]
     return [*rewritings, *equations, *(_equation(f.rule, f.function, RELEASED) for f in forms)]
 
 
 _PAPER = [
     Rule("E-Distributions", "Distributions", EXPRESSIONS, draws.draw),
-    Rule("E-Resample", "resample(D)", 'Section "Expressions"', specials.resample),
-    Rule("E-Resample-Constant", "resample(v)", SILENT, specials.resample),
+    Rule("E-Resample", "resample(D)", 'Section "Expressions"', builtin_rules.resample),
+    Rule("E-Resample-Constant", "resample(v)", SILENT, builtin_rules.resample),
     Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', conditions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
-    Rule("E-Member", "methods and derived properties", RELEASED, members.rewritten),
-    Rule("O-Intersects", "X intersects Y", RELEASED, members.meet),
+    Rule("E-Member", "methods and derived properties", RELEASED, released_members.rewritten),
+    Rule("O-Intersects", "X intersects Y", RELEASED, released_members.meet),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.conclude_seconds),
-    Rule("E-InInitialScenario", "in initial scenario", INITIAL, queries.in_initial_scenario),
+    Rule("E-InInitialScenario", "in initial scenario", INITIAL, world_queries.in_initial_scenario),
     Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),
     Rule("R-SpecifiedTwice", "property P specified twice", ALGORITHM + ", gather all specified properties", resolution.specified_twice),
     Rule(
@@ -144,7 +178,7 @@ _PAPER = [
     Rule("S-SoftReq-Skip", "Soft Requirements (with probability 1-p)", STATEMENTS, statements.skip),
     Rule("S-Mutate", "Mutations", STATEMENTS, statements.conclude_mutate),
     Rule("S-Model", "Selecting a World Model", 'Section "Statements"', imports.model),
-    Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.resume_class_body),
+    Rule("S-Class", "class definitions", 'Section "Data Types"', class_definitions.resume_class_body),
     Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements", "Requirements"', declarations.dynamic_requirement),
     Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', declarations.dynamic_definition),
     Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, mutation.apply_mutations),
@@ -170,19 +204,19 @@ _INHERITED = [
     ("E-Call-Dynamic", "behaviors, monitors and scenarios with arguments", calls.invocation),
     ("E-Comprehension", "comprehensions", comprehensions.advance),
     ("E-Generator", "generators", comprehensions.generator),
-    ("E-Next", "the next element of a generator", elementwise.resume_asking),
-    ("E-Print", "print", specials.print_rule),
-    ("E-Raise", "exceptions raised by operations", control.raised),
-    ("S-If", "if", control.resume_branching),
-    ("S-While", "while", control.resume_testing),
-    ("S-For", "for", control.turn),
-    ("S-Break", "break", control.unwind_looping),
-    ("S-Def", "def", control.conclude_function),
-    ("S-Return", "return", control.conclude_return),
-    ("S-Assert", "assert", control.conclude_assert),
-    ("S-Raise", "raise", control.conclude_raise),
-    ("S-Except", "except", control.handle),
-    ("S-Finally", "finally", control.final_block),
+    ("E-Next", "the next element of a generator", elementwise_builtins.resume_asking),
+    ("E-Print", "print", builtin_rules.print_rule),
+    ("E-Raise", "exceptions raised by operations", control_flow.raised),
+    ("S-If", "if", control_flow.resume_branching),
+    ("S-While", "while", control_flow.resume_testing),
+    ("S-For", "for", control_flow.turn),
+    ("S-Break", "break", control_flow.unwind_looping),
+    ("S-Def", "def", control_flow.conclude_function),
+    ("S-Return", "return", control_flow.conclude_return),
+    ("S-Assert", "assert", control_flow.conclude_assert),
+    ("S-Raise", "raise", control_flow.conclude_raise),
+    ("S-Except", "except", control_flow.handle),
+    ("S-Finally", "finally", control_flow.final_block),
     ("S-Delete", "del", assignment.conclude_delete),
     ("S-Import", "import", imports.imported),
 ]
@@ -204,7 +238,7 @@ _DYNAMIC = [
     Rule("D-Policy-5", "run all the behaviors", PROCEDURE + ", step 5", policy.behaviors),
     Rule("D-Policy-6", "repeat step 4", PROCEDURE + ", step 6", policy.check_flag_again),
     Rule("D-Policy-7", "return the choice of actions", PROCEDURE + ", step 7", policy.actions),
-    Rule("D-Always", "require always B", OVER_TIME, requirements.always),
+    Rule("D-Always", "require always B", OVER_TIME, temporal_requirements.always),
     Rule("D-Eventually", "require eventually B", OVER_TIME, policy.never_satisfied),
     Rule("D-Take", "take actions", ACTIONS, actions.conclude_take),
     Rule("D-Wait", "wait", ACTIONS, actions.wait),
@@ -216,12 +250,12 @@ _DYNAMIC = [
     Rule("S-Simulator", "simulator E", RELEASED, declarations.simulator),
     Rule("D-Do", "do B", INVOKING, invocations.enter_behavior),
     Rule("D-Do-Return", "the end of an invocation", INVOKING, guards.do_returns),
-    Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', choices.choose),
+    Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', choose_and_shuffle.choose),
     Rule("D-Try", "try ... interrupt when B", INTERRUPTS, interrupts.interruptible),
     Rule("D-Interrupt", "an interrupt condition becomes true", INTERRUPTS, interrupts.begin_handler),
     Rule("D-Abort", "abort", INTERRUPTS, interrupts.abort),
     Rule("D-Precondition", "precondition: B", GUARDS, guards.precondition_violated),
-    Rule("D-Initial", "like ordinary requirements, violating any precondition causes ... rejected", GUARDS, initial.precondition),
+    Rule("D-Initial", "like ordinary requirements, violating any precondition causes ... rejected", GUARDS, initial_scenario.precondition),
     Rule("D-Invariant", "invariant: B", GUARDS, guards.invariant_violated),
     Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, guards.at_top_level),
     Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.setup),

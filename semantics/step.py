@@ -11,11 +11,49 @@ from collections.abc import Mapping, Sequence
 
 from shapely.errors import ShapelyError
 
-from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
-from .kernel import conditions, draws, premises, queries, simulation
-from .kernel.callers import OF_LIBRARY, caller_in, frames_of, of_program
-from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import (
+from .dynamics import (
+    actions,
+    choose_and_shuffle,
+    coroutines,
+    declarations,
+    frames,
+    guards,
+    initial_scenario,
+    interrupts,
+    invocations,
+    overrides,
+    policy,
+    scenarios,
+)
+from .machine import conditions, draws, premises, simulation_state, world_queries
+from .machine.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
+from .machine.error_places import OF_LIBRARY, caller_in, frames_of, of_program
+from .machine.host_calls import DoorStuck, HostException, entered
+from .machine.outcome import Draw, Fault, Next, Outcome, Stuck, dated
+from .machine.stuck_runs import unmet
+from .machine.value_nesting import too_deep
+from .machine.values import Random
+from .python import (
+    assignment,
+    calls,
+    class_definitions,
+    comprehensions,
+    control_flow,
+    elementwise_builtins,
+    expression_statements,
+    expressions,
+    functions,
+    generators,
+    imports,
+    released_members,
+)
+from .python.string_methods import in_this_run, too_many_digits
+from .scenes import comparisons, object_definitions, operator_application, statements, termination
+from .space.absence import Absent
+from .space.distributions import BadParameters
+from .space.fields import BadField, OutsideField
+from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
+from .store.errors import (
     FuelExhausted,
     GuardViolation,
     NeedsElements,
@@ -26,35 +64,9 @@ from .kernel.errors import (
     UncaughtException,
     without_addresses,
 )
-from .kernel.host import DoorStuck, HostException, entered
-from .kernel.memory import is_out_of_memory, short_of_memory
-from .kernel.nesting import too_deep
-from .kernel.outcome import Draw, Fault, Next, Outcome, Stuck, dated
-from .kernel.scenic_classes import DefaultIn, ScenicClass
-from .kernel.unmet import unmet
-from .kernel.values import Random
-from .kernel.waiting import Waiting
-from .python import (
-    assignment,
-    calls,
-    comprehensions,
-    control,
-    definitions,
-    elementwise,
-    expression_statements,
-    expressions,
-    functions,
-    generators,
-    imports,
-    intervals,
-    members,
-)
-from .python.texts import in_this_run, too_many_digits
-from .scenes import comparisons, object_definitions, operations, statements, termination
-from .space.absence import Absent
-from .space.distributions import BadParameters
-from .space.fields import BadField, OutsideField
-from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
+from .store.memory_errors import is_out_of_memory, short_of_memory
+from .store.postponed_values import Waiting
+from .store.scenic_classes import DefaultIn, ScenicClass
 from .syntax import dynamics as d
 from .syntax import expressions as e
 from .syntax import python_expressions as p
@@ -81,29 +93,29 @@ REDUCE: Mapping[type, Reduction] = {
     p.Lambda: functions.lambda_rule,
     p.Comprehension: comprehensions.comprehension,
     # operators of the appendix
-    e.RelativeHeading: operations.operator,
-    e.ApparentHeading: operations.operator,
-    e.Distance: operations.operator,
-    e.DistancePast: operations.operator,
-    e.Angle: operations.operator,
-    e.CanSee: operations.operator,
-    e.Degrees: operations.operator,
-    e.FieldAt: operations.operator,
-    e.RelativeTo: operations.operator,
-    e.VectorOf: operations.operator,
-    e.OffsetBy: operations.operator,
-    e.OffsetAlong: operations.operator,
-    e.Visible: operations.operator,
-    e.VisibleFrom: operations.operator,
-    e.Follow: operations.operator,
-    e.RelativePosition: operations.operator,
-    e.NotVisible: operations.operator,
-    e.Intersects: members.intersects,
-    e.SideOf: operations.side_of,
+    e.RelativeHeading: operator_application.operator,
+    e.ApparentHeading: operator_application.operator,
+    e.Distance: operator_application.operator,
+    e.DistancePast: operator_application.operator,
+    e.Angle: operator_application.operator,
+    e.CanSee: operator_application.operator,
+    e.Degrees: operator_application.operator,
+    e.FieldAt: operator_application.operator,
+    e.RelativeTo: operator_application.operator,
+    e.VectorOf: operator_application.operator,
+    e.OffsetBy: operator_application.operator,
+    e.OffsetAlong: operator_application.operator,
+    e.Visible: operator_application.operator,
+    e.VisibleFrom: operator_application.operator,
+    e.Follow: operator_application.operator,
+    e.RelativePosition: operator_application.operator,
+    e.NotVisible: operator_application.operator,
+    e.Intersects: released_members.intersects,
+    e.SideOf: operator_application.side_of,
     e.Seconds: expressions.seconds,
-    e.IntervalOrPair: intervals.interval_or_pair,
-    e.InInitialScenario: queries.in_initial_scenario,
-    Waiting: operations.waited,
+    e.IntervalOrPair: expressions.interval_or_pair,
+    e.InInitialScenario: world_queries.in_initial_scenario,
+    Waiting: operator_application.waited,
     DefaultIn: object_definitions.default_in,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
@@ -113,23 +125,23 @@ REDUCE: Mapping[type, Reduction] = {
     s.ExpressionStatement: expression_statements.expression_statement,
     s.Assignment: assignment.assignment,
     s.AugmentedAssignment: assignment.augmented,
-    s.If: control.if_statement,
-    s.While: control.while_statement,
-    s.For: control.for_statement,
-    s.FunctionDefinition: control.function_definition,
-    s.Return: control.return_statement,
-    s.Break: control.leave_block,
-    s.Continue: control.leave_block,
-    s.Pass: control.pass_statement,
-    s.Global: control.pass_statement,
-    s.Nonlocal: control.pass_statement,
+    s.If: control_flow.if_statement,
+    s.While: control_flow.while_statement,
+    s.For: control_flow.for_statement,
+    s.FunctionDefinition: control_flow.function_definition,
+    s.Return: control_flow.return_statement,
+    s.Break: control_flow.leave_block,
+    s.Continue: control_flow.leave_block,
+    s.Pass: control_flow.pass_statement,
+    s.Global: control_flow.pass_statement,
+    s.Nonlocal: control_flow.pass_statement,
     s.Delete: assignment.delete,
-    s.Assert: control.assert_statement,
-    s.Raise: control.raise_statement,
+    s.Assert: control_flow.assert_statement,
+    s.Raise: control_flow.raise_statement,
     s.Try: interrupts.try_rule,
     s.Import: imports.import_statement,
     s.ImportFrom: imports.import_from,
-    s.ClassDefinition: definitions.class_definition,
+    s.ClassDefinition: class_definitions.class_definition,
     # Scenic's static statements
     s.Model: imports.model,
     s.Param: statements.param,
@@ -153,8 +165,8 @@ REDUCE: Mapping[type, Reduction] = {
     d.WaitFor: actions.wait_for,
     d.Terminate: actions.terminate,
     d.Do: invocations.do,
-    d.DoChoose: choices.pick,
-    d.DoShuffle: choices.pick,
+    d.DoChoose: choose_and_shuffle.pick,
+    d.DoShuffle: choose_and_shuffle.pick,
     d.Abort: interrupts.abort,
     d.Override: overrides.override,
 }
@@ -166,41 +178,41 @@ RESUME: Mapping[type, Resumption] = {
     functions.Called: functions.resume_called,
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
-    elementwise.Selecting: elementwise.resume_selecting,
-    elementwise.SelectingInCases: elementwise.resume_selecting_in_cases,
+    elementwise_builtins.Selecting: elementwise_builtins.resume_selecting,
+    elementwise_builtins.SelectingInCases: elementwise_builtins.resume_selecting_in_cases,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
-    operations.Settling: operations.resume_settling,
+    operator_application.Settling: operator_application.resume_settling,
     object_definitions.Defaulting: object_definitions.resume_defaulting,
     object_definitions.Placing: object_definitions.resume_placing,
-    control.Rest: control.resume_rest,
+    control_flow.Rest: control_flow.resume_rest,
     expression_statements.Discard: expression_statements.resume_discard,
-    control.Branching: control.resume_branching,
-    control.Looping: control.resume_looping,
-    control.Testing: control.resume_testing,
-    control.Iterating: control.resume_iterating,
-    control.Turning: control.resume_turning,
-    elementwise.Asking: elementwise.resume_asking,
+    control_flow.Branching: control_flow.resume_branching,
+    control_flow.Looping: control_flow.resume_looping,
+    control_flow.Testing: control_flow.resume_testing,
+    control_flow.Iterating: control_flow.resume_iterating,
+    control_flow.Turning: control_flow.resume_turning,
+    elementwise_builtins.Asking: elementwise_builtins.resume_asking,
     generators.Expanding: generators.resume_expanding,
-    elementwise.Pairing: elementwise.resume_pairing,
-    elementwise.Quantifying: elementwise.resume_quantifying,
-    elementwise.Slicing: elementwise.resume_slicing,
-    control.Handling: control.resume_handling,
-    control.Choosing: control.resume_choosing,
-    control.Handled: control.resume_handled,
-    control.Finally: control.resume_finally,
-    control.Afterwards: control.resume_afterwards,
+    elementwise_builtins.Pairing: elementwise_builtins.resume_pairing,
+    elementwise_builtins.Quantifying: elementwise_builtins.resume_quantifying,
+    elementwise_builtins.Slicing: elementwise_builtins.resume_slicing,
+    control_flow.Handling: control_flow.resume_handling,
+    control_flow.Choosing: control_flow.resume_choosing,
+    control_flow.Handled: control_flow.resume_handled,
+    control_flow.Finally: control_flow.resume_finally,
+    control_flow.Afterwards: control_flow.resume_afterwards,
     statements.Requiring: statements.resume_requiring,
     statements.Deciding: statements.resume_deciding,
     draws.Apart: draws.resume_apart,
-    definitions.ClassBody: definitions.resume_class_body,
+    class_definitions.ClassBody: class_definitions.resume_class_body,
     imports.ModuleBody: imports.resume_module_body,
     termination.Mutating: termination.resume_mutating,
     termination.Late: termination.resume_late,
     termination.Checking: termination.resume_checking,
     guards.Guarding: guards.resume_guarding,
-    initial.Finishing: initial.resume_finishing,
-    initial.OpeningGuards: initial.resume_opening_guards,
+    initial_scenario.Finishing: initial_scenario.resume_finishing,
+    initial_scenario.OpeningGuards: initial_scenario.resume_opening_guards,
     frames.Abortable: interrupts.resume_abortable,
     interrupts.Entering: interrupts.resume_entering,
     interrupts.Interrupting: interrupts.resume_interrupting,
@@ -208,12 +220,12 @@ RESUME: Mapping[type, Resumption] = {
     invocations.Beginning: invocations.resume_beginning,
     frames.Invoked: invocations.resume_invoked,
     frames.Together: invocations.resume_together,
-    choices.Enabling: choices.resume_enabling,
-    choices.Starting: choices.resume_starting,
+    choose_and_shuffle.Enabling: choose_and_shuffle.resume_enabling,
+    choose_and_shuffle.Starting: choose_and_shuffle.resume_starting,
     frames.Returning: guards.resume_returning,
-    frames.Shuffling: choices.resume_shuffling,
-    processes.Coroutine: processes.resume_coroutine,
-    simulation.Setting: scenarios.resume_setting,
+    frames.Shuffling: choose_and_shuffle.resume_shuffling,
+    coroutines.Coroutine: coroutines.resume_coroutine,
+    simulation_state.Setting: scenarios.resume_setting,
     frames.Scenarios: scenarios.resume_scenarios,
     scenarios.Stepping: scenarios.resume_stepping,
     scenarios.Ending: scenarios.resume_ending,
@@ -225,14 +237,14 @@ UNWIND: Mapping[type, Unwinding] = {
     functions.Called: functions.unwind_called,
     functions.InScope: functions.unwind_in_scope,
     object_definitions.Construction: object_definitions.unwind_construction,
-    control.Looping: control.unwind_looping,
+    control_flow.Looping: control_flow.unwind_looping,
     generators.Giving: generators.unwind_giving,
-    control.Handling: control.unwind_handling,
-    control.Handled: control.unwind_handled,
-    control.Finally: control.unwind_finally,
+    control_flow.Handling: control_flow.unwind_handling,
+    control_flow.Handled: control_flow.unwind_handled,
+    control_flow.Finally: control_flow.unwind_finally,
     statements.Deciding: statements.unwind_deciding,
     draws.Apart: draws.unwind_apart,
-    definitions.ClassBody: definitions.unwind_class_body,
+    class_definitions.ClassBody: class_definitions.unwind_class_body,
     imports.ModuleBody: imports.unwind_module_body,
     guards.Guarding: guards.unwind_guarding,
     frames.Abortable: interrupts.unwind_abortable,
@@ -240,9 +252,9 @@ UNWIND: Mapping[type, Unwinding] = {
     frames.Interruptible: interrupts.unwind_interruptible,
     frames.Invoked: invocations.unwind_invoked,
     frames.Together: invocations.unwind_together,
-    choices.Enabling: choices.unwind_enabling,
-    simulation.Setting: scenarios.unwind_setting,
-    processes.Coroutine: processes.unwind_coroutine,
+    choose_and_shuffle.Enabling: choose_and_shuffle.unwind_enabling,
+    simulation_state.Setting: scenarios.unwind_setting,
+    coroutines.Coroutine: coroutines.unwind_coroutine,
     frames.Scenarios: scenarios.unwind_scenarios,
     scenarios.Ending: scenarios.unwind_ending,
     scenarios.RequirementsFirst: scenarios.unwind_requirements_first,
@@ -294,9 +306,9 @@ def stopped(problem: Exception, config: Config) -> Outcome:
         case HostException(exception=ShapelyError() as found) | (ShapelyError() as found) if is_out_of_memory(found):
             return Fault(short_of_memory(place(config)))
         case HostException():
-            return control.raised(problem, problem.span or place(config, problem.exception), config.stack, config.state)
+            return control_flow.raised(problem, problem.span or place(config, problem.exception), config.stack, config.state)
         case NotBegun():
-            return control.raised(HostException(problem), place(config), config.stack, config.state)
+            return control_flow.raised(HostException(problem), place(config), config.stack, config.state)
         case OutsideField():
             return Stuck("O-At", unmet(problem, place(config)))
         case DoorStuck():
@@ -312,7 +324,7 @@ def stopped(problem: Exception, config: Config) -> Outcome:
         case ValueError() if too_many_digits(problem):  # the one thing that fails whatever writes a value, here or in a message
             return Fault(RunError("a whole number has too many digits to be written", place(config)))
         case RunError(rule="E-Variable") if caught(config.stack):
-            return control.raised(HostException(NameError(problem.message)), place(config), config.stack, config.state)
+            return control_flow.raised(HostException(NameError(problem.message)), place(config), config.stack, config.state)
         case ScenicError():
             if problem.span == NOWHERE or problem.span.line == 0:
                 problem.span = place(config)
@@ -320,7 +332,7 @@ def stopped(problem: Exception, config: Config) -> Outcome:
             problem.hint = "; ".join(filter(None, (problem.hint, where)))
             return Fault(problem)
         case _ if entered(config.state.settings.door, config.state.version):
-            return control.raised(HostException(problem), place(config, problem), config.stack, config.state)
+            return control_flow.raised(HostException(problem), place(config, problem), config.stack, config.state)
         case _:
             raise problem
 
@@ -329,7 +341,7 @@ def caught(stack: Stack) -> bool:
     """Whether a `try` with handlers is around: an unknown name is then an exception of the program; else it is its error, with a hint."""
     while stack:
         frame, stack = stack
-        if isinstance(frame, control.Handling) and frame.node.handlers:
+        if isinstance(frame, control_flow.Handling) and frame.node.handlers:
             return True
     return False
 
@@ -341,7 +353,7 @@ def carried(result: object, frame: object) -> object:
     match frame:
         case premises.Premises(node=node) if type(node) in premises.CARRIERS:
             return result
-        case functions.Called() | functions.InScope() | operations.Settling():
+        case functions.Called() | functions.InScope() | operator_application.Settling():
             return result
         case object_definitions.ClassOf() if not isinstance(result.value, ScenicClass):
             return result

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.suggestions import did_you_mean
+from ..semantics.store.errors import UsageError
+from ..semantics.store.suggestions import did_you_mean
 from .protocol import EndRun, RejectRun, Simulator, Surroundings
 from .user_simulator import own_simulator
 

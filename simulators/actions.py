@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 from ..data.simulation import Body
-from ..semantics.kernel.kinds import kind_name
-from ..semantics.kernel.values import Described
+from ..semantics.machine.operand_kinds import kind_name
+from ..semantics.machine.values import Described
 from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector
 
 LONGEST = 40

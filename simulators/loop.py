@@ -18,14 +18,14 @@ from ..interpreter.runtime.random_streams import simulator_seed
 from ..roads.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
-from ..semantics.kernel.callers import caller_in, of_program
-from ..semantics.kernel.config import Config, State
-from ..semantics.kernel.errors import RunError, SimulatorError, UsageError
-from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
-from ..semantics.kernel.simulation import Running, line_of, satisfied, simulation_of
-from ..semantics.kernel.values import Instance, plain
+from ..semantics.machine.config import Config, State
+from ..semantics.machine.error_places import caller_in, of_program
+from ..semantics.machine.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.machine.simulation_state import Running, line_of, satisfied, simulation_of
+from ..semantics.machine.values import Instance, plain
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
+from ..semantics.store.errors import RunError, SimulatorError, UsageError
 from ..semantics.syntax.nodes import NOWHERE, Span
 from .protocol import (
     RejectRun,

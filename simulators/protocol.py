@@ -10,11 +10,11 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..data.simulation import Body, Pose
 from ..roads.network import Network
-from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
-from ..semantics.kernel.errors import ScenicError, SimulatorError, UsageError
-from ..semantics.kernel.kinds import is_scalar
+from ..semantics.machine.operand_kinds import is_scalar
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
+from ..semantics.store.built_in_classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
+from ..semantics.store.errors import ScenicError, SimulatorError, UsageError
 from ..semantics.syntax.nodes import NOWHERE, Span
 from .controls import CONTROLS, SHOWN
 

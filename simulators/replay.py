@@ -18,8 +18,8 @@ from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, run
 from ..interpreter.runtime.random_streams import simulator_seed
 from ..semantics.dynamics.policy import begin
-from ..semantics.kernel.config import Config, State
-from ..semantics.kernel.errors import UsageError
+from ..semantics.machine.config import Config, State
+from ..semantics.store.errors import UsageError
 from ..semantics.syntax.nodes import NOWHERE
 from .loop import ENDED, Failed, create_new, rejected, surroundings
 from .protocol import (

@@ -24,7 +24,7 @@ from typing import Any
 from ..data.simulation import Body, Pose
 from ..interpreter.runtime.optional_packages import needed
 from ..roads.map_generator import made
-from ..semantics.kernel.errors import UsageError
+from ..semantics.store.errors import UsageError
 from . import actions as a
 from .controls import PROPERTIES, along, checked_timestep
 from .kinematic import Moving, move, moving_of, pose_of, take

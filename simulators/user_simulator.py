@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
-from ..semantics.kernel.errors import ScenicError, UsageError
+from ..semantics.store.errors import ScenicError, UsageError
 from .protocol import METHODS, Simulator, check_usable
 
 

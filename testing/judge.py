@@ -24,9 +24,9 @@ from ..inference.comparison.scene_columns import leaves
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..interpreter.language.dialects import DIALECTS
-from ..semantics.kernel.errors import RunsExhausted, UsageError
-from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.readings import select
+from ..semantics.store.errors import RunsExhausted, UsageError
+from ..semantics.store.suggestions import did_you_mean
 
 REFERENCE_SEED = 20_190_625
 def same_distribution(

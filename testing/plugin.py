@@ -28,7 +28,7 @@ import pytest
 if TYPE_CHECKING:
     from ..api import Scenario
     from ..data.scene import Scene
-    from ..semantics.kernel.errors import ScenicError
+    from ..semantics.store.errors import ScenicError
     from .failed_scenes import KeptScenes, SceneNumber
 
 PACKAGE = Path(__file__).parent.parent
@@ -163,7 +163,7 @@ def checked(node: pytest.Item | pytest.Function, config: pytest.Config, path: Pa
     """What the markers say, where there is such a file. Raises `pytest.UsageError`."""
     found = marked(node, config, path)
     if found is not None and found.program.file is not None and not found.program.file.is_file():
-        from ..semantics.kernel.suggestions import nearest
+        from ..semantics.store.suggestions import nearest
 
         file = found.program.file
         near = nearest(file.name, [other.name for other in file.parent.glob("*.scenic")])
@@ -282,7 +282,7 @@ def hidden(error: BaseException) -> Iterator[None]:
 
 def program_error(call: pytest.CallInfo[None]) -> ScenicError | None:
     """The error of a program, or of how it was asked for, that ended a test."""
-    errors = sys.modules.get(f"{(__package__ or '').partition('.')[0]}.semantics.kernel.errors")
+    errors = sys.modules.get(f"{(__package__ or '').partition('.')[0]}.semantics.store.errors")
     value: Any = None if call.excinfo is None else call.excinfo.value
     return value if errors is not None and isinstance(value, errors.ScenicError) else None
 

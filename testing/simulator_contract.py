@@ -17,7 +17,7 @@ from ..data.scene import json_value
 from ..data.simulation import Body, Pose
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import drive
-from ..semantics.kernel.outcome import Done
+from ..semantics.machine.outcome import Done
 from ..semantics.space.vectors import Vector
 from ..simulators.loop import body_of, surroundings
 from ..simulators.protocol import EndRun, RejectRun, Simulator, Surroundings

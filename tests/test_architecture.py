@@ -15,26 +15,29 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = [
-    "semantics", "interpreter", "maps", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks",
-    "editors", "cli",
+    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "testing", "conformance", "benchmarks",
+    "editors", "playground", "cli",
 ]
+BELOW = {"semantics", "interpreter", "roads", "data", "pictures"}
+"""What reads programs and writes files; scenes know how they are drawn, and pictures what a scene is."""
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "interpreter": {"semantics", "interpreter"},
-    "maps": {"semantics", "interpreter", "maps"},
-    "formats": {"semantics", "maps", "interpreter", "formats"},
-    "simulators": {"semantics", "maps", "interpreter", "formats", "simulators"},
-    "inference": {"semantics", "interpreter", "formats", "simulators", "inference"},
-    "scenario": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario"},
-    "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", ""},
-    "testing": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing"},
-    "benchmarks": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "benchmarks", ""},
-    "editors": {"semantics", "interpreter", "formats", "simulators", "scenario", "editors", ""},
+    "roads": {"semantics", "interpreter", "roads"},
+    "data": BELOW,
+    "pictures": BELOW,
+    "simulators": {*BELOW, "simulators"} - {"pictures"},
+    "inference": {*BELOW, "simulators", "inference"} - {"roads"},
+    "api": {*BELOW, "simulators", "inference", "api"} - {"roads"},
+    "conformance": {*BELOW, "simulators", "inference", "api", "testing", "conformance", ""} - {"roads"},
+    "testing": {"semantics", "interpreter", "data", "simulators", "inference", "api", "testing"},
+    "benchmarks": {*BELOW, "simulators", "inference", "api", "benchmarks", ""} - {"roads", "data"},
+    "editors": {"semantics", "interpreter", "simulators", "api", "editors", ""},
+    "playground": {*LAYERS, ""} - {"testing", "conformance", "benchmarks"},
     "cli": {*LAYERS, ""},
 }
-ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics", ""]
+ROOMS = ["syntax", "space", "store", "machine", "readings", "python", "scenes", "dynamics", ""]
 """Of `semantics`, the lowest first; "" are its tables: the step function, the catalogue of rules, programs."""
-TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
     "matplotlib": {
         "pictures/notebook_views.py", "data/scene.py", "api/scenario.py",
@@ -50,11 +53,14 @@ ONLY_IN = {
     "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"pictures/chain_plots.py"}, "pyro": {"inference/pyro_adapter.py"},
     "pyproj": {"roads/geodata.py"}, "shapefile": {"roads/geodata.py"},
-    "torch": {"inference/pyro_adapter.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
+    "torch": {"inference/pyro_adapter.py", *(f"inference/batch/torch_{n}.py" for n in ("lowering", "evaluator", "margins")), "inference/batch/primitives/torch_polygons.py"},
     **{name: {"inference/batch/primitives/numba_kernels.py", "inference/batch/code_cache.py"} for name in ("numba", "llvmlite")},
 }
 
-SEAM = {"space/crowds.py", "space/symbols.py", "space/numeric.py", "kernel/allowed.py", "kernel/kinds.py", "kernel/values.py"}
+SEAM = {
+    "space/box_crowds.py", "space/symbol_seam.py", "space/numeric_functions.py", "machine/sandbox_table.py", "machine/operand_kinds.py",
+    "machine/values.py",
+}
 """What of `semantics` knows that the batch backend answers draws by symbols."""
 SCRIPTS = {"benchmarks/interpreter.py", "benchmarks/power.py", "benchmarks/pruning.py", "benchmarks/rare.py", "benchmarks/simulation.py"}
 """They are run by their paths, so that they import the package by its name."""
@@ -140,9 +146,9 @@ def test_rooms_of_semantics_import_lower_ones_only():
 def test_rules_do_not_meet_what_the_batch_backend_needs():
     """Values that stand for many scenes are behind one seam; no rule tells them from others, and no outcome speaks of them."""
     root = ROOT / "semantics"
-    asked = re.compile(r"symbols import|\b(Symbol|NotLifted|symbol_in)\b|\.always\(|\.lift\b")
+    asked = re.compile(r"symbol_seam import|\b(Symbol|NotLifted|symbol_in)\b|\.always\(|\.lift\b")
     found = {str(path.relative_to(root)) for path in root.rglob("*.py") if asked.search(path.read_text())}
-    assert found == SEAM | {"kernel/host.py"}  # the door, through which operations of Python are lifted
+    assert found == SEAM | {"machine/host_calls.py"}  # the door, through which operations of Python are lifted
 
 
 def test_modules_of_semantics_stand_in_a_room():
@@ -276,7 +282,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     shown, _, loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.rstrip("\n").rpartition("\n")
     ours = {name for name in loaded.split() if name.startswith("scenic_ref.") and not name.startswith("scenic_ref.cli.")}
     assert "simulate" in shown
-    assert ours == {"scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime.limits", "scenic_ref.interpreter.runtime.supervisor"}
+    assert ours == {"scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime", "scenic_ref.interpreter.runtime.limits", "scenic_ref.interpreter.runtime.supervisor"}
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio", "ctypes"} & set(loaded.split())
 
 
@@ -297,7 +303,7 @@ def test_one_loop_drives_the_machine():
                 calls = [n.func for n in ast.walk(loop) if isinstance(n, ast.Call)]
                 names = {f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in calls}
                 loops += [str(path.relative_to(ROOT))] if names & {"step", "machine"} else []
-    assert set(loops) - TIME == {"semantics/kernel/driving.py"}
+    assert set(loops) - TIME == {"semantics/machine/run_loop.py"}
 
 
 TIME = {"simulators/pymunk_simulator.py", "testing/simulator_contract.py"}

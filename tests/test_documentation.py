@@ -22,11 +22,11 @@ from scenic_ref.cli import INTERRUPTED
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.cli.check import EXIT_CODES as VERDICTS
 from scenic_ref.interpreter.runtime import program_run
-from scenic_ref.semantics.kernel import errors
-from scenic_ref.semantics.kernel.config import Config, Value
-from scenic_ref.semantics.kernel.outcome import Outcome
+from scenic_ref.semantics.machine.config import Config, Value
+from scenic_ref.semantics.machine.outcome import Outcome
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.store import errors
 from typer.core import TyperCommand
 
 ROOT = Path(__file__).parent.parent

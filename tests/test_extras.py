@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 import tomllib
@@ -10,24 +11,26 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.data.table_files import open_table
+from scenic_ref.inference import batch
 from scenic_ref.inference.batch import block_rejection
-from scenic_ref.inference.batch import compile as compiler
 from scenic_ref.interpreter.runtime.optional_packages import EXTRAS, is_installed
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 from scenic_ref.simulators import by_name
 
 ROOT = Path(__file__).parent.parent
 IMPORTED_AS = {"pyro-ppl": "pyro", "eclipse-sumo": "sumo", "pyshp": "shapefile"}
-COMPILER = tuple(path.stem for path in (ROOT / "inference" / "batch" / "compile").glob("[!_]*.py"))
+COMPILER = ("numba_evaluator", "numba_codegen", "numba_json", "code_cache", "primitives.numba_kernels")
+"""The modules that need numba, below `inference.batch`."""
 
 
 @pytest.fixture
 def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     """What needs numba is imported anew."""
-    for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"{compiler.__name__}.{name}" for name in COMPILER]:
+    for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"{batch.__name__}.{name}" for name in COMPILER]:
         monkeypatch.delitem(sys.modules, name, raising=False)
     for name in COMPILER:
-        monkeypatch.delattr(compiler, name, raising=False)
+        package, _, module = f".{name}".rpartition(".")
+        monkeypatch.delattr(importlib.import_module(batch.__name__ + package), module, raising=False)
 
 
 def test_the_table_of_extras_is_that_of_the_package():

@@ -35,7 +35,7 @@ EXITS = {
 
 def signatures(module: object) -> Iterator[tuple[str, str]]:
     """The public names of a module, or of a class, with their signatures."""
-    for name in sorted(getattr(module, "__all__", None) or (n for n in dir(module) if not n.startswith("_"))):
+    for name in sorted(getattr(module, "__all__", None) or (n for n in dir(module) if n.isidentifier() and not n.startswith("_"))):
         value = getattr(module, name)
         if getattr(value, "__module__", "scenic_ref").partition(".")[0] != "scenic_ref":
             continue

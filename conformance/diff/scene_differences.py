@@ -12,9 +12,9 @@ from ...api import Scenario
 from ...inference.comparison import compare
 from ...inference.comparison.feature_names import matching
 from ...inference.comparison.scene_columns import leaves
-from ...semantics.kernel.classes import view_distance
-from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
-from ...semantics.kernel.scopes import descendants
+from ...semantics.store.built_in_classes import view_distance
+from ...semantics.store.errors import AttemptsExhausted, ProgramError, UsageError
+from ...semantics.store.scopes import descendants
 from ...semantics.syntax import dynamics
 from ...testing.judge import judged, verdict_on_none
 from ..implementations.harness_client import External

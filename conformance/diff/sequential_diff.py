@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple
 
 from ...api import Scenario
 from ...inference.comparison import Verdict
-from ...semantics.kernel.errors import ProgramError, UsageError
 from ...semantics.readings import READINGS, select
+from ...semantics.store.errors import ProgramError, UsageError
 from ..implementations.harness_client import External
 from ..implementations.line_process import ImplementationFault
 from ..implementations.protocol import Refused, Task

@@ -13,7 +13,7 @@ from ...inference.comparison import compare
 from ...inference.comparison.impossible_values import constants_of
 from ...inference.comparison.known_features import Facts
 from ...inference.comparison.scene_columns import features_table
-from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, UsageError
+from ...semantics.store.errors import AttemptsExhausted, ProgramError, RunsExhausted, UsageError
 from ...testing.judge import MOST_RUNS
 from ..implementations.harness_client import External
 from ..implementations.line_process import ImplementationFault

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...inference.batch.jobs.worker_pools import end_with_parent
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 from ..implementations.environments import implementation
 from ..implementations.harness_client import External
 from .causes import seen_often

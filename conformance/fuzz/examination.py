@@ -14,8 +14,8 @@ from ...interpreter.language.conversion import convert
 from ...interpreter.language.modules import library_of
 from ...interpreter.language.parser import parse
 from ...pictures.side_by_side import Boxes, boxes_of
-from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
-from ...semantics.kernel.scopes import descendants
+from ...semantics.store.errors import AttemptsExhausted, ProgramError, UsageError
+from ...semantics.store.scopes import descendants
 from ...semantics.syntax.specifiers import WithSpecifier
 from ...semantics.syntax.statements import PropertyDefault
 from ...simulators.worlds import WORLDS

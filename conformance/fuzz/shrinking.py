@@ -8,8 +8,8 @@ from itertools import chain
 
 from ...interpreter.language.parser import parse
 from ...interpreter.language.printer import to_source
-from ...semantics.kernel.errors import ProgramError
-from ...semantics.kernel.scopes import children
+from ...semantics.store.errors import ProgramError
+from ...semantics.store.scopes import children
 from ...semantics.syntax import Expression, Program, Statement
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ...interpreter.language.modules import read_text
 from ...pictures.side_by_side import Boxes
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 from ..known_differences import CLASSES
 from ..strict_tables import VectorFields
 from .causes import OUR_BUG, Cause

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from ...api.loading import loads
 from ...inference.comparison.comparison import with_law
 from ...inference.comparison.feature_names import SampleNames
-from ...semantics.kernel.errors import AttemptsExhausted, ProgramError
 from ...semantics.rules import RULES, SILENT
+from ...semantics.store.errors import AttemptsExhausted, ProgramError
 from ...testing.judge import enumerated
 from ..diff.sequential_diff import loaded
 from .causes import ENDED, Cause

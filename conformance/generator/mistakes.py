@@ -8,7 +8,7 @@ from textwrap import indent
 from typing import Literal
 
 from ...interpreter.language.printer import to_source
-from ...semantics.kernel.errors import (
+from ...semantics.store.errors import (
     CheckError,
     CyclicDependencies,
     FuelExhausted,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 
 LEAST = {"max_objects": 1, "max_classes": 0, "max_statements": 0, "max_depth": 0, "max_loop": 1, "max_outcomes": 1}
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...interpreter.runtime.cache_folders import cache_place
-from ...semantics.kernel.errors import UsageError
 from ...semantics.readings import select
+from ...semantics.store.errors import UsageError
 from .harness_client import ANSWER_SECONDS, External
 
 ADAPTER = Path(__file__).parent / "adapters" / "released.py"

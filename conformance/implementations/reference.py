@@ -17,9 +17,9 @@ from ...interpreter.language.dialects import DIALECTS
 from ...interpreter.runtime.answerers import from_stream
 from ...interpreter.runtime.program_run import DEFAULT_FUEL, run
 from ...interpreter.runtime.trace import Trace
-from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
-from ...semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck
+from ...semantics.machine.outcome import Draw, Outcome, Requirement, Stuck
 from ...semantics.space.vectors import Vector
+from ...semantics.store.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
 from ...semantics.syntax.nodes import NOWHERE
 from ...simulators.loop import simulate_once
 from ...simulators.still import Still

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...semantics.kernel import errors
 from ...semantics.rules import RULES
+from ...semantics.store import errors
 from ..implementations.protocol import Implementation, NeverAccepted, Refused, SceneRecord, Simulating, Task
 from ..strict_tables import VectorFields
 from ..verdict import PASSED, VectorVerdict, failed, skipped

@@ -21,10 +21,10 @@ from ...data.scene import Scene, scene_of
 from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
 from ...interpreter.runtime.optional_packages import why_missing
 from ...interpreter.runtime.program_run import Accepted, Beginnings, run
-from ...semantics.kernel.config import Config
-from ...semantics.kernel.errors import ScenicError
-from ...semantics.kernel.outcome import Requirement
-from ...semantics.space.symbols import NotLifted
+from ...semantics.machine.config import Config
+from ...semantics.machine.outcome import Requirement
+from ...semantics.space.symbol_seam import NotLifted
+from ...semantics.store.errors import ScenicError
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
 from .factorised_rejection import Component, Stage, components, report, stages, worthwhile
 from .numpy_evaluator import ACCEPTED, LEFT, Evaluated, evaluate, rejection_rates

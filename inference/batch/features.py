@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from ...data.scene import json_value
-from ...semantics.kernel.values import Random
+from ...semantics.machine.values import Random
 from ...semantics.space.vectors import Vector
 from ..comparison.known_features import Support
 from ..comparison.scene_columns import (

@@ -13,11 +13,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...semantics.kernel.budget import Budget
-from ...semantics.kernel.outcome import Requirement
-from ...semantics.space.numeric import arc_tangent
+from ...semantics.machine.outcome import Requirement
+from ...semantics.space.numeric_functions import arc_tangent
 from ...semantics.space.regions import Region
 from ...semantics.space.vectors import Vector
+from ...semantics.store.budget import Budget
 
 Kind = Literal["float", "bool", "int", "object"]
 Bounds = tuple[float, float]

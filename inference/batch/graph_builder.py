@@ -9,19 +9,19 @@ from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
-from ...semantics.kernel.budget import Budget
-from ...semantics.kernel.errors import ScenicError
-from ...semantics.kernel.host import DoorStuck, HostException
-from ...semantics.kernel.outcome import Requirement
-from ...semantics.kernel.unmet import UNMET, unmet
-from ...semantics.kernel.values import Bound, Native
+from ...semantics.machine.host_calls import DoorStuck, HostException
+from ...semantics.machine.outcome import Requirement
+from ...semantics.machine.stuck_runs import UNMET, unmet
+from ...semantics.machine.values import Bound, Native
 from ...semantics.python.calls import invoke
-from ...semantics.python.elementwise import select
-from ...semantics.space.crowds import crowd_meets
+from ...semantics.python.elementwise_builtins import select
+from ...semantics.space.box_crowds import crowd_meets
 from ...semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
-from ...semantics.space.numeric import Elementary, is_macro, position_in
-from ...semantics.space.symbols import Listed, NotLifted
+from ...semantics.space.numeric_functions import Elementary, is_macro, position_in
+from ...semantics.space.symbol_seam import Listed, NotLifted
 from ...semantics.space.vectors import Vector
+from ...semantics.store.budget import Budget
+from ...semantics.store.errors import ScenicError
 from ...semantics.syntax.nodes import NOWHERE
 from .graph import (
     AsFloat,
@@ -300,7 +300,7 @@ class Recorder:
 
     def merge(self, index: GraphNode, results: Sequence[Any]) -> Any:
         """The result that the index chooses."""
-        from ...semantics.kernel.values import unwrap
+        from ...semantics.machine.values import unwrap
 
         results = [unwrap(r)[0] for r in results]
         first = results[0]

@@ -14,10 +14,10 @@ import shapely
 
 from ...interpreter.runtime.answerers import PER_SCENE
 from ...interpreter.runtime.random_streams import site_code
-from ...semantics.space.crowds import NUMBERS
-from ...semantics.space.numeric import Elementary
+from ...semantics.space.box_crowds import NUMBERS
+from ...semantics.space.numeric_functions import Elementary
 from ...semantics.space.regions import PolygonalRegion
-from ...semantics.space.symbols import NotLifted
+from ...semantics.space.symbol_seam import NotLifted
 from ...semantics.space.vectors import Vector
 from .evaluation_plan import PlanStep
 from .factorised_rejection import Stage

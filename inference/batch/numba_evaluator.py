@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...interpreter.runtime.random_streams import fold
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.machine.outcome import Requirement
 from .factorised_rejection import Stage
 from .numba_codegen import ACCEPTED, EXHAUSTED, LEFT, PENDING, NotCompiled, compile_stage
 from .row_calls import Columns

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .jobs.scene_lines import Cells, Picked
+from .jobs.text_rows import Cells, Picked
 from .numba_evaluator import later_interrupts
 from .primitives.numba_kernels import compile_, copy_bytes, high_word
 

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...semantics.kernel.outcome import Requirement
-from ...semantics.kernel.unmet import UNMET, unmet
-from ...semantics.space.crowds import crowd_meets
-from ...semantics.space.numeric import Elementary
-from ...semantics.space.symbols import NotLifted
+from ...semantics.machine.outcome import Requirement
+from ...semantics.machine.stuck_runs import UNMET, unmet
+from ...semantics.space.box_crowds import crowd_meets
+from ...semantics.space.numeric_functions import Elementary
+from ...semantics.space.symbol_seam import NotLifted
 from ...semantics.space.vectors import Unchanging
 from ...semantics.syntax.nodes import NOWHERE
 from .evaluation_plan import PlanStep, cone, roots_of

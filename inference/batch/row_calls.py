@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.machine.outcome import Requirement
 from ...semantics.space.boundaries import METRES
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import AlongCurve, PolygonalRegion, PolylineRegion

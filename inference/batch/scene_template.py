@@ -9,13 +9,13 @@ import numpy as np
 
 from ...data.scene import OWN_FIELDS, Scene, SceneObject
 from ...pictures.map_layers import SiteMap, site_of
-from ...semantics.kernel.config import State
-from ...semantics.kernel.values import unwrap
+from ...semantics.machine.config import State
+from ...semantics.machine.values import unwrap
 from ...semantics.programs import ego_of
 from ...semantics.scenes.default_requirements import workspace_of
 from ...semantics.space.geometry import normalise_heading
 from ...semantics.space.regions import Region
-from ...semantics.space.symbols import NotLifted
+from ...semantics.space.symbol_seam import NotLifted
 from ...semantics.space.vectors import Vector
 from .graph import GraphNode
 from .row_calls import Columns

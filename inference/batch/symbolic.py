@@ -12,19 +12,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...semantics.kernel.budget import PLAIN
-from ...semantics.kernel.kinds import is_a
-from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.sets import FrozenSet, Set
-from ...semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, each, unwrap
+from ...semantics.machine.operand_kinds import is_a
+from ...semantics.machine.values import (
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Module,
+    Pairs,
+    Random,
+    each,
+    unwrap,
+)
 from ...semantics.space.fields import VectorField
 from ...semantics.space.regions import Region
-from ...semantics.space.symbols import NotLifted, Symbol
+from ...semantics.space.symbol_seam import NotLifted, Symbol
 from ...semantics.space.vectors import Vector
+from ...semantics.store.budget import PLAIN
+from ...semantics.store.scenic_classes import ScenicClass
+from ...semantics.store.sets import FrozenSet, Set
 from .graph import GraphNode, PartialRun, RowCall, RowDraw
 
 if TYPE_CHECKING:
-    from ...semantics.kernel.outcome import Requirement
+    from ...semantics.machine.outcome import Requirement
     from .graph_builder import Recorder
 
 

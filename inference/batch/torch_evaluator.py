@@ -22,7 +22,7 @@ from ...interpreter.runtime.random_streams import (
     fold,
     site_code,
 )
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.machine.outcome import Requirement
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion
 from . import numpy_evaluator

@@ -21,9 +21,8 @@ import torch
 from scipy import special
 from torch import Tensor
 
-from ...semantics.kernel.errors import UsageError
 from ...semantics.space.fields import PolygonalVectorField
-from ...semantics.space.numeric import (
+from ...semantics.space.numeric_functions import (
     arc_tangent,
     exponential,
     exponential_less_one,
@@ -32,6 +31,7 @@ from ...semantics.space.numeric import (
 )
 from ...semantics.space.regions import PolygonalRegion
 from ...semantics.space.vectors import Vector
+from ...semantics.store.errors import UsageError
 from .evaluation_plan import cone
 from .graph import (
     AsFloat,

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.machine.outcome import Requirement
 from ...semantics.space.regions import PolygonalRegion
 from ...semantics.space.vectors import Vector
 from ..moves.states import StateNumbers, States

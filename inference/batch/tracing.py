@@ -18,21 +18,17 @@ from ...interpreter.runtime.answerers import AS_THEY_ARE, PER_SCENE, Draws, from
 from ...interpreter.runtime.process_sandbox import within
 from ...interpreter.runtime.program_run import Accepted, Beginnings, run
 from ...interpreter.runtime.random_streams import Stream
-from ...semantics.kernel.callers import frames_of
-from ...semantics.kernel.config import Abrupt, Config, State, Value
-from ...semantics.kernel.driving import End, drive_machine
-from ...semantics.kernel.errors import RandomBranch, ScenicError
-from ...semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
-from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.scopes import target_names
-from ...semantics.kernel.unmet import KINDS_OF_UNMET, NothingToDraw, unmet
-from ...semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random, unwrap
-from ...semantics.kernel.versions import STORED
+from ...semantics.machine.config import Abrupt, Config, State, Value
+from ...semantics.machine.error_places import frames_of
+from ...semantics.machine.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
+from ...semantics.machine.run_loop import End, drive_machine
+from ...semantics.machine.stuck_runs import KINDS_OF_UNMET, NothingToDraw, unmet
+from ...semantics.machine.values import Bound, Dynamic, Function, Instance, Method, Module, Random, unwrap
 from ...semantics.python.arithmetic import BINARY, UNARY
 from ...semantics.python.assignment import written
+from ...semantics.python.builtin_rules import container_method
 from ...semantics.python.calls import invoke, vector
-from ...semantics.python.elementwise import SelectingInCases
-from ...semantics.python.specials import container_method
+from ...semantics.python.elementwise_builtins import SelectingInCases
 from ...semantics.space.distributions import (
     Coin,
     Discrete,
@@ -43,7 +39,7 @@ from ...semantics.space.distributions import (
     TruncatedNormal,
     Uniform,
 )
-from ...semantics.space.numeric import negation, pick
+from ...semantics.space.numeric_functions import negation, pick
 from ...semantics.space.regions import (
     CircularRegion,
     EmptyRegion,
@@ -56,10 +52,14 @@ from ...semantics.space.regions import (
     UnboundedRegion,
     Workspace,
 )
-from ...semantics.space.regions.sampling import PieceSampler
-from ...semantics.space.symbols import NotLifted, Spread
+from ...semantics.space.regions.point_sampling import PieceSampler
+from ...semantics.space.symbol_seam import NotLifted, Spread
 from ...semantics.space.vectors import Vector
 from ...semantics.step import place, step
+from ...semantics.store.errors import RandomBranch, ScenicError
+from ...semantics.store.scenic_classes import ScenicClass
+from ...semantics.store.scopes import target_names
+from ...semantics.store.undo_log import STORED
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import NOWHERE, Node, Statement

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from ...data.scene import Scene
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array, combined, one_sample_wealth, two_sample_wealth
 from .cells import MOST_EXACT, Codes, all_values

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 from ...data.scene import OWN_FIELDS
-from ...semantics.kernel.errors import UsageError
-from ...semantics.kernel.suggestions import nearest
+from ...semantics.store.errors import UsageError
+from ...semantics.store.suggestions import nearest
 from .betting import Array
 from .scene_columns import OTHERWISE, FeatureTable, last_part
 

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array, one_sample_wealth, two_sample_wealth
 from .cells import QUARTERS, Cells, Intervals, OfLaw, Repeated, Values, cells_of

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ...data.scene import SCHEMA, Scene, is_count, problem_of
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 from .betting import Array
 from .feature_names import SHORT, SampleNames, long_name
 from .impossible_values import Findings

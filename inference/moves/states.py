@@ -17,7 +17,7 @@ import numpy as np
 from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, replaced
 from ...interpreter.runtime.program_run import Chooser
 from ...interpreter.runtime.random_streams import UNIT, UNUSED_BITS, Stream, fold, site_code
-from ...semantics.kernel.outcome import Draw
+from ...semantics.machine.outcome import Draw
 from ..batch.evaluation_plan import PlanStep
 from ..batch.graph import Graph, GraphNode, RowDraw, Site
 from ..batch.numpy_evaluator import column

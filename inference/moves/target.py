@@ -23,8 +23,8 @@ import numpy as np
 from ...data.scene import Scene, scene_of
 from ...interpreter.runtime.optional_packages import why_missing
 from ...interpreter.runtime.program_run import Accepted, Rejected, run
-from ...semantics.kernel.errors import UsageError
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.machine.outcome import Requirement
+from ...semantics.store.errors import UsageError
 from ..batch.block_rejection import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch
 from ..batch.evaluation_plan import PlanStep, cone, only_rejects, plan
 from ..batch.features import features_by_name

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...semantics.kernel.classes import view_distance
-from ...semantics.kernel.config import State
-from ...semantics.kernel.values import Instance, unwrap
+from ...semantics.machine.config import State
+from ...semantics.machine.values import Instance, unwrap
 from ...semantics.scenes.default_requirements import (
     default_requirements,
     in_region_of_its_own,
@@ -25,6 +24,7 @@ from ...semantics.space.boundaries import widened
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Region, Workspace
 from ...semantics.space.regions.approximation import box_shape
+from ...semantics.store.built_in_classes import view_distance
 from ..batch.graph import Graph, GraphNode, RowCall
 from ..batch.symbolic import symbols_in
 from .algorithms import Shape, polygons_of

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...interpreter.runtime.program_run import DEFAULT_FUEL
-from ...semantics.kernel.config import Config, State
+from ...semantics.machine.config import Config, State
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, Region
 from ..batch.graph import Graph, GraphEvent, GraphNode, RowCall

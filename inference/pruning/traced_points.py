@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws
-from ...semantics.kernel.config import Config, State
+from ...semantics.machine.config import Config, State
 from ...semantics.space.regions import Region
 from ..batch.graph import Graph
 from ..batch.scene_template import template_of

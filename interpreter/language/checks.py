@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...semantics.kernel.errors import CheckError
-from ...semantics.kernel.scopes import OPAQUE, Names, bound_by, function_names
+from ...semantics.store.errors import CheckError
+from ...semantics.store.scopes import OPAQUE, Names, bound_by, function_names
 from ...semantics.syntax import Block, Node, Program, Span, Statement
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s

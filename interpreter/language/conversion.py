@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
-from ...semantics.kernel.classes import BUILT_IN_CLASSES
-from ...semantics.kernel.errors import ParseError
-from ...semantics.kernel.scopes import descendants
+from ...semantics.store.built_in_classes import BUILT_IN_CLASSES
+from ...semantics.store.errors import ParseError
+from ...semantics.store.scopes import descendants
 from ...semantics.syntax import Block, Node, Program, Statement
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import expressions as e

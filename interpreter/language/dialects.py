@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 
 MARK = re.compile(r"\ufeff?[ \t]*#[ \t]*dialect[ \t]*:[ \t]*(\S+)")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from lark.lexer import Token
 
-from ...semantics.kernel.errors import ParseError
+from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Span
 
 OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})

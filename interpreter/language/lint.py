@@ -9,11 +9,11 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from ...semantics.dynamics.actions import to_run
-from ...semantics.kernel.classes import BUILT_IN_CLASSES, SPELLINGS
-from ...semantics.kernel.kinds import SPATIAL_PROPERTIES
-from ...semantics.kernel.scopes import children, descendants, target_names
-from ...semantics.kernel.suggestions import did_you_mean, meant, nearest
+from ...semantics.machine.operand_kinds import SPATIAL_PROPERTIES
 from ...semantics.python.expression_statements import RUN_BY
+from ...semantics.store.built_in_classes import BUILT_IN_CLASSES, SPELLINGS
+from ...semantics.store.scopes import children, descendants, target_names
+from ...semantics.store.suggestions import did_you_mean, meant, nearest
 from ...semantics.syntax import Node, Program, Span
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import expressions as e

@@ -18,12 +18,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...semantics.kernel.budget import refuse_too_long
-from ...semantics.kernel.errors import ImportRefused, ScenicError, UsageError
-from ...semantics.kernel.scopes import descendants
-from ...semantics.kernel.suggestions import nearest
 from ...semantics.python.imports import beside, key_of, member_key, package_of
 from ...semantics.python.library import MODULES
+from ...semantics.store.budget import refuse_too_long
+from ...semantics.store.errors import ImportRefused, ScenicError, UsageError
+from ...semantics.store.scopes import descendants
+from ...semantics.store.suggestions import nearest
 from ...semantics.syntax import Program
 from ...semantics.syntax import statements as s
 from ..runtime.regular_file import read_regular_file

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
 
-from ...semantics.kernel.errors import ParseError
+from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Node
 from ...semantics.syntax.expressions import ObjectOrOperator
 

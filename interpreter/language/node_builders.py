@@ -8,9 +8,9 @@ from typing import Any, get_args
 
 from lark import Token
 
-from ...semantics.kernel.errors import ParseError
-from ...semantics.kernel.scopes import bound_by
-from ...semantics.kernel.suggestions import did_you_mean
+from ...semantics.store.errors import ParseError
+from ...semantics.store.scopes import bound_by
+from ...semantics.store.suggestions import did_you_mean
 from ...semantics.syntax import Block, Expression, Span, Specifier, Statement
 from ...semantics.syntax.dynamics import (
     Abort,

@@ -17,7 +17,7 @@ from lark.exceptions import UnexpectedInput
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
-from ...semantics.kernel.errors import ParseError
+from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Expression, Program, Span
 from ...semantics.syntax.python_expressions import Constant, FormattedValue, FString
 from ..runtime.cache_folders import cache_folder, read_kept, write_kept

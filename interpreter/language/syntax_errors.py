@@ -9,8 +9,8 @@ from lark import Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from lark.parsers.lalr_parser_state import ParserState
 
-from ...semantics.kernel.errors import ParseError
-from ...semantics.kernel.suggestions import nearest
+from ...semantics.store.errors import ParseError
+from ...semantics.store.suggestions import nearest
 from ...semantics.syntax import Span
 from . import temporal_formulas
 from .temporal_formulas import misplaced, with_probability

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Literal
 
-from ...semantics.kernel.errors import ParseError
+from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Expression
 from ...semantics.syntax.expressions import Seconds
 from ...semantics.syntax.python_expressions import BinaryOperation, BooleanOperation, Call, Conditional, Name, UnaryOperation

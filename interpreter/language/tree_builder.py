@@ -7,9 +7,9 @@ from typing import Any
 
 from lark import Token, Tree
 
-from ...semantics.kernel.classes import BUILT_IN_CLASSES
-from ...semantics.kernel.errors import ParseError
-from ...semantics.kernel.kinds import FLAT, SPATIAL_PROPERTIES
+from ...semantics.machine.operand_kinds import FLAT, SPATIAL_PROPERTIES
+from ...semantics.store.built_in_classes import BUILT_IN_CLASSES
+from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Expression, Span, Statement
 from ...semantics.syntax.expressions import (
     FieldAt,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from ...semantics.kernel.outcome import Draw
+from ...semantics.machine.outcome import Draw
 from ...semantics.space.distributions import Distribution, PointIn
 from .program_run import Chooser
 from .random_streams import Stream

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from ...semantics.kernel.errors import UsageError
+    from ...semantics.store.errors import UsageError
 
 UNITS = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 LEAST_MEMORY = 16 << 20
@@ -24,7 +24,7 @@ DEFAULT_LIMITS = Limits(4 << 30, 60.0)
 
 def wrong(message: str) -> UsageError:
     """The error; its import takes longer than all of `--help`."""
-    from ...semantics.kernel.errors import UsageError
+    from ...semantics.store.errors import UsageError
 
     return UsageError(message)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 
-from ...semantics.kernel.errors import UsageError
+from ...semantics.store.errors import UsageError
 
 EXTRAS = {
     "numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "torch",

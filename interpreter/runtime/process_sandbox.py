@@ -1,6 +1,6 @@
 """The second wall around an untrusted program: limits of the process, and a guard on what the process does while the program runs.
 
-The first wall, `semantics.kernel.allowed`, lets a program meet nothing that could do harm; this one is for a hole in the first.
+The first wall, `semantics.machine.sandbox_table`, lets a program meet nothing that could do harm; this one is for a hole in the first.
 `resource` and timers of processor time exist on POSIX systems only; the guard exists everywhere. `docs/security.md` says what is promised.
 """
 
@@ -16,8 +16,8 @@ from pathlib import Path
 from types import FrameType
 from typing import ParamSpec, TypeVar
 
-from ...semantics.kernel.errors import OutOfTime, RunError
-from ...semantics.kernel.memory import is_out_of_memory
+from ...semantics.store.errors import OutOfTime, RunError
+from ...semantics.store.memory_errors import is_out_of_memory
 from .limits import Limits
 from .supervisor import IDLE, LIMITED, PAGE, due_in
 

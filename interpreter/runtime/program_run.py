@@ -7,10 +7,8 @@ from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
-from ...semantics.kernel.config import Config, Stack, State, Value
-from ...semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine, taken_over
-from ...semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
-from ...semantics.kernel.outcome import (
+from ...semantics.machine.config import Config, Stack, State, Value
+from ...semantics.machine.outcome import (
     Act,
     Done,
     Draw,
@@ -22,9 +20,11 @@ from ...semantics.kernel.outcome import (
     Requirement,
     Stuck,
 )
+from ...semantics.machine.run_loop import Chooser, Unfinished, Witness, drive_machine, taken_over
 from ...semantics.space.regions import EmptyRegion
 from ...semantics.space.vectors import Vector
 from ...semantics.step import place, step
+from ...semantics.store.errors import FuelExhausted, RandomBranch, ScenicError
 from .process_sandbox import within
 
 DEFAULT_FUEL = 5_000_000

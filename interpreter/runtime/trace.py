@@ -7,14 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from ...semantics.dynamics.coroutines import Coroutine, Yielded
 from ...semantics.dynamics.frames import Invoked
-from ...semantics.dynamics.processes import Coroutine, Yielded
-from ...semantics.kernel.config import Config, State
-from ...semantics.kernel.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
-from ...semantics.kernel.positions import waits
-from ...semantics.kernel.simulation import agent_of, simulation_of
-from ...semantics.kernel.values import Instance, Random, unwrap
-from ...semantics.python.texts import stable_repr
+from ...semantics.machine.config import Config, State
+from ...semantics.machine.implicit_positions import waits
+from ...semantics.machine.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
+from ...semantics.machine.simulation_state import agent_of, simulation_of
+from ...semantics.machine.values import Instance, Random, unwrap
+from ...semantics.python.string_methods import stable_repr
 from ...semantics.rules import RULES
 from ...semantics.scenes.object_definitions import Defaulting
 from ...semantics.space.distributions.distribution import Distribution

@@ -88,7 +88,7 @@ Fixpoint put (x : nat) (v : value) (s : bindings) : bindings :=
   match s with [] => [(x, v)] | (y, w) :: rest => if x =? y then (y, v) :: rest else (y, w) :: put x v rest end.
 
 (** σ, π and O; `self`, the properties so far of the object that is being made; the requirements that wait for the end, each with the
-    σ and O of its statement (`Captured` in semantics/kernel/config.py). *)
+    σ and O of its statement (`Captured` in semantics/machine/config.py). *)
 Record captured := Captured { its_line : nat; its_condition : expr; its_sigma : bindings; its_objects : list bindings }.
 Record state := State {
   sigma : bindings;
@@ -341,7 +341,7 @@ Definition is_vector (O : list bindings) (v : value) : bool := match as_its posi
 Definition vectors_where_meant (O : list bindings) (arguments : list (specifier * value)) : bool :=
   forallb (fun sv => match fst sv with At => is_vector O (snd sv) | With _ => true end) arguments.
 
-(** A value as that of a property (`checked_property` in semantics/kernel/properties.py). *)
+(** A value as that of a property (`checked_property` in semantics/machine/built_in_properties.py). *)
 Definition checked (O : list bindings) (p : property) (v : value) : answer value :=
   if p =? position then match as_its position O v with Vector x y => inl (Vector x y) | _ => inr (Bad_property p) end
   else if p =? heading then match as_its heading O v with Number q => inl (Number q) | _ => inr (Bad_property p) end

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import is_dataclass
 
-from ..kernel.config import Abrupt, Config, Stack, State, Value
-from ..kernel.errors import RunError
-from ..kernel.outcome import Next, Outcome
-from ..kernel.premises import premises
-from ..kernel.simulation import Clause, flagged
-from ..kernel.values import Dynamic, unwrap
+from ..machine.config import Abrupt, Config, Stack, State, Value
+from ..machine.outcome import Next, Outcome
+from ..machine.premises import premises
+from ..machine.simulation_state import Clause, flagged
+from ..machine.values import Dynamic, unwrap
 from ..python.expression_statements import RUN_BY
+from ..store.errors import RunError
 from ..syntax import dynamics as d
 from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Constant
 from ..syntax.statements import While
+from .coroutines import suspend
 from .frames import Abortable
 from .interrupts import interruptible
 from .invocations import runner
-from .processes import suspend
 from .scenarios import deadline_of
 
 

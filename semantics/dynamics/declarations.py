@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from ..kernel.config import PASS, Config, Stack, State
-from ..kernel.errors import RunError
-from ..kernel.kinds import kind_name
-from ..kernel.outcome import Change, Next, Outcome
-from ..kernel.premises import premises
-from ..kernel.scopes import descendants
-from ..kernel.simulation import Declared
-from ..kernel.values import Dynamic, plain
+from ..machine.config import PASS, Config, Stack, State
+from ..machine.operand_kinds import kind_name
+from ..machine.outcome import Change, Next, Outcome
+from ..machine.premises import premises
+from ..machine.simulation_state import Declared
+from ..machine.values import Dynamic, plain
+from ..store.errors import RunError
+from ..store.scopes import descendants
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Node

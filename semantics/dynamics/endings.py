@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..kernel.config import Config, State
-from ..kernel.outcome import Next, Outcome
-from ..kernel.simulation import Suspended, simulation_of, with_scenario
+from ..machine.config import Config, State
+from ..machine.outcome import Next, Outcome
+from ..machine.simulation_state import Suspended, simulation_of, with_scenario
 from .frames import Interruptible, Scenarios
 from .overrides import reverted
 

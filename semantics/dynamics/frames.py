@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..kernel.scopes import Scope
-from ..kernel.simulation import Clause, Suspended, Who
-from ..kernel.values import Dynamic
+from ..machine.simulation_state import Clause, Suspended, Who
+from ..machine.values import Dynamic
+from ..store.scopes import Scope
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 

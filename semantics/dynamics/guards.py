@@ -6,21 +6,21 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.conditions import holding
-from ..kernel.config import PASS, Abrupt, Config, Stack, State
-from ..kernel.draws import Apart
-from ..kernel.errors import InvariantViolation, PreconditionViolation
-from ..kernel.outcome import Next, Outcome, Requirement, Stuck
-from ..kernel.scopes import Scope, function_names
-from ..kernel.simulation import TOP, Who, simulation_of
-from ..kernel.values import Dynamic
+from ..machine.conditions import holding
+from ..machine.config import PASS, Abrupt, Config, Stack, State
+from ..machine.draws import Apart
+from ..machine.outcome import Next, Outcome, Requirement, Stuck
+from ..machine.simulation_state import TOP, Who, simulation_of
+from ..machine.values import Dynamic
 from ..python.expressions import arrived
 from ..python.functions import bind
+from ..store.errors import InvariantViolation, PreconditionViolation
+from ..store.scopes import Scope, function_names
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression
+from .coroutines import Coroutine, address_of
 from .frames import Interruptible, Invoked, Returning, Scenarios, Shuffling, Together
-from .processes import Coroutine, address_of
 
 Then = Callable[[Stack, State], Outcome]
 

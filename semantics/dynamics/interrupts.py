@@ -12,20 +12,20 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.conditions import holding
-from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
-from ..kernel.errors import NotBegun
-from ..kernel.outcome import Next, Outcome
-from ..kernel.simulation import Clause, Deadline, Suspended, Who, has_passed, simulation_of
-from ..python.control import Finally, Handling, block, try_statement
+from ..machine.conditions import holding
+from ..machine.config import PASS, Abrupt, Config, Stack, State, Value
+from ..machine.outcome import Next, Outcome
+from ..machine.simulation_state import Clause, Deadline, Suspended, Who, has_passed, simulation_of
+from ..python.control_flow import Finally, Handling, block, try_statement
 from ..python.functions import body_as_statement
+from ..store.errors import NotBegun
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
+from .coroutines import Coroutine, address_of, pushed, restored
 from .endings import give_up
 from .frames import Abortable, Interruptible, Returning
 from .guards import guarded, guards_on_resumption, invoked_in
-from .processes import Coroutine, address_of, pushed, restored
 
 
 class Interrupting(NamedTuple):

@@ -8,25 +8,25 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..kernel.config import Abrupt, Config, Stack, State, Value
-from ..kernel.errors import RunError
-from ..kernel.kinds import SCALAR, has_kind, kind_name
-from ..kernel.outcome import Next, Outcome
-from ..kernel.premises import premises
-from ..kernel.scopes import MISSING, Scope
-from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, flagged, line_of
-from ..kernel.values import Dynamic, plain
+from ..machine.config import Abrupt, Config, Stack, State, Value
+from ..machine.operand_kinds import SCALAR, has_kind, kind_name
+from ..machine.outcome import Next, Outcome
+from ..machine.premises import premises
+from ..machine.simulation_state import Agent, Clause, Deadline, Suspended, Who, agent_of, flagged, line_of
+from ..machine.values import Dynamic, plain
 from ..python.calls import invocation
 from ..python.functions import LARGEST_DEPTH, body_as_statement
-from ..python.texts import stable_repr
+from ..python.string_methods import stable_repr
+from ..store.errors import RunError
+from ..store.scopes import MISSING, Scope
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Name
+from .coroutines import Coroutine, Ended, Yielded, suspend
 from .frames import Invoked, Picking, Together
 from .guards import guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
-from .processes import Coroutine, Ended, Yielded, suspend
 from .scenarios import begin_scenarios, deadline_of
 
 # Values

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from ..kernel.config import PASS, Config, Stack, State
-from ..kernel.errors import RunError
-from ..kernel.kinds import is_object, kind_name
-from ..kernel.outcome import Change, Next, Outcome
-from ..kernel.positions import expression_of, specifying, waits
-from ..kernel.premises import premises
-from ..kernel.properties import checked_property
-from ..kernel.simulation import Agent, Overridden, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
-from ..kernel.suggestions import did_you_mean
-from ..kernel.values import Dynamic, Instance, plain
+from ..machine.built_in_properties import checked_property
+from ..machine.config import PASS, Config, Stack, State
+from ..machine.implicit_positions import expression_of, specifying, waits
+from ..machine.operand_kinds import is_object, kind_name
+from ..machine.outcome import Change, Next, Outcome
+from ..machine.premises import premises
+from ..machine.simulation_state import (
+    Agent,
+    Overridden,
+    Running,
+    Setting,
+    simulation_of,
+    with_agent,
+    with_scenario,
+    with_simulation,
+)
+from ..machine.values import Dynamic, Instance, plain
 from ..python.functions import InScope
 from ..scenes.resolution import Specification, specified_twice
 from ..scenes.specifier_arguments import describe
+from ..store.errors import RunError
+from ..store.suggestions import did_you_mean
 from ..syntax import dynamics as d
 from ..syntax import specifiers as q
-from .processes import Coroutine
+from .coroutines import Coroutine
 
 
 def override(node: d.Override, stack: Stack, state: State) -> Outcome:

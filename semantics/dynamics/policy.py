@@ -10,12 +10,11 @@ from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
-from ..kernel.errors import GuardViolation, RunError
-from ..kernel.host import HostException
-from ..kernel.kinds import kind_name
-from ..kernel.outcome import Act, Finish, Next, Outcome, Requirement, Stuck
-from ..kernel.simulation import (
+from ..machine.config import PASS, Abrupt, Config, Stack, State, Value
+from ..machine.host_calls import HostException
+from ..machine.operand_kinds import kind_name
+from ..machine.outcome import Act, Finish, Next, Outcome, Requirement, Stuck
+from ..machine.simulation_state import (
     TOP,
     Agent,
     Declared,
@@ -29,17 +28,18 @@ from ..kernel.simulation import (
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ..kernel.values import Dynamic, plain
+from ..machine.values import Dynamic, plain
+from ..store.errors import GuardViolation, RunError
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
 from . import guards
+from .coroutines import Ended, Yielded
 from .endings import end_scenario
 from .guards import PRECONDITIONS, guarded_apart, opening_guards
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
-from .processes import Ended, Yielded
-from .requirements import condition_at, decision, over_time
 from .scenarios import Over, as_before, scenario_from, settled, step_of_scenario
+from .temporal_requirements import condition_at, decision, over_time
 
 DEFAULT_TIMESTEP = 0.1
 """Seconds."""

@@ -6,13 +6,11 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.conditions import holding
-from ..kernel.config import Abrupt, Config, Properties, Stack, State, Value
-from ..kernel.errors import RunError
-from ..kernel.kinds import is_scalar, kind_name
-from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import BEGUN, Scope
-from ..kernel.simulation import (
+from ..machine.conditions import holding
+from ..machine.config import Abrupt, Config, Properties, Stack, State, Value
+from ..machine.operand_kinds import is_scalar, kind_name
+from ..machine.outcome import Next, Outcome
+from ..machine.simulation_state import (
     Clause,
     Deadline,
     Declared,
@@ -26,18 +24,20 @@ from ..kernel.simulation import (
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ..kernel.values import Dynamic, plain
-from ..python.control import block
+from ..machine.values import Dynamic, plain
+from ..python.control_flow import block
 from ..python.functions import LARGEST_DEPTH, body_as_statement
 from ..scenes.termination import apply_termination_rules
+from ..store.errors import RunError
+from ..store.scopes import BEGUN, Scope
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
+from .coroutines import Coroutine, Ended, Yielded, address_of, suspend
 from .endings import end_scenario
 from .frames import Scenarios
 from .guards import INVARIANTS, compose_guards, guarded, guarded_apart, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
-from .processes import Coroutine, Ended, Yielded, address_of, suspend
-from .requirements import condition_at, decision, over_time
+from .temporal_requirements import condition_at, decision, over_time
 
 
 class Stepping(NamedTuple):

@@ -8,9 +8,9 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..kernel.budget import LARGEST_INTEGER_BITS, length_of, refuse_too_long, whole
-from ..kernel.sets import VIEWS, Set
-from .texts import percent
+from ..store.budget import LARGEST_INTEGER_BITS, length_of, refuse_too_long, whole
+from ..store.sets import VIEWS, Set
+from .string_methods import percent
 
 SEQUENCES = (str, bytes, list, tuple)
 REPEATED = (*SEQUENCES, deque)

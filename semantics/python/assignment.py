@@ -6,31 +6,31 @@ import operator as python
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
-from ..kernel.allowed import OVERRIDES, as_member, is_hidden, is_user_made, may_override
-from ..kernel.budget import length_of, refuse_too_long, whole
-from ..kernel.classes import canonical
-from ..kernel.config import PASS, Config, Stack, State
-from ..kernel.errors import RunError
-from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import is_object, is_sequence, kind_name
-from ..kernel.outcome import Change, Next, Outcome
-from ..kernel.positions import wait
-from ..kernel.premises import SHARED, axiom, describe_origin, premises
-from ..kernel.properties import checked_property
-from ..kernel.scenic_classes import ScenicClass
-from ..kernel.scopes import MISSING
-from ..kernel.values import Function, Instance, Method, Module, Random, plain, unwrap
-from ..kernel.versions import CHANGEABLE, note_attribute, note_container, note_item
-from ..kernel.waiting import Waiting, needs_position
+from ..machine.built_in_properties import checked_property
+from ..machine.config import PASS, Config, Stack, State
+from ..machine.host_calls import HostException, host, raw
+from ..machine.implicit_positions import wait
+from ..machine.operand_kinds import is_object, is_sequence, kind_name
+from ..machine.outcome import Change, Next, Outcome
+from ..machine.premises import SHARED, axiom, describe_origin, premises
+from ..machine.sandbox_table import OVERRIDES, as_member, is_hidden, is_user_made, may_override
+from ..machine.values import Function, Instance, Method, Module, Random, plain, unwrap
 from ..space.regions import Region
 from ..space.vectors import Vector
+from ..store.budget import length_of, refuse_too_long, whole
+from ..store.built_in_classes import canonical
+from ..store.errors import RunError
+from ..store.postponed_values import Waiting, needs_position
+from ..store.scenic_classes import ScenicClass
+from ..store.scopes import MISSING
+from ..store.undo_log import CHANGEABLE, note_attribute, note_container, note_item
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node
 from .arithmetic import BINARY
+from .call_costs import check_key
 from .expressions import as_vectors, conclude_binary, get_attribute, get_item
 from .iteration import elements
-from .keys import check_key
 
 
 def done(rule: str, node: Node, stack: Stack, state: State, change: Change | None = None) -> Next:

@@ -7,21 +7,21 @@ import math
 from collections.abc import Mapping
 from operator import index
 
-from ..kernel.budget import Budget
-from ..kernel.classes import BUILT_IN_CLASSES
-from ..kernel.errors import GUARD_VIOLATIONS
-from ..kernel.kinds import is_scalar
-from ..kernel.queries import Clock, Parameters
-from ..kernel.scopes import Scope
-from ..kernel.values import Constructor, Entries, Pairs, plain, unwrap
+from ..machine.operand_kinds import is_scalar
+from ..machine.values import Constructor, Entries, Pairs, plain, unwrap
+from ..machine.world_queries import Clock, Parameters
 from ..space import regions
 from ..space.distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
 from ..space.fields import PolygonalVectorField, VectorField
-from ..space.numeric import larger, smaller
+from ..space.numeric_functions import larger, smaller
 from ..space.vectors import Vector
+from ..store.budget import Budget
+from ..store.built_in_classes import BUILT_IN_CLASSES
+from ..store.errors import GUARD_VIOLATIONS
+from ..store.scopes import Scope
+from .builtin_rules import SPECIAL_VALUES
 from .library import BUILTIN, bound
-from .members import OPERATOR_FUNCTIONS, OperatorFunction
-from .specials import SPECIAL_VALUES
+from .released_members import OPERATOR_FUNCTIONS, OperatorFunction
 
 
 def _uniform(*values: object) -> Uniform:

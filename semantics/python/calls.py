@@ -8,22 +8,17 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from types import BuiltinFunctionType, FunctionType, MethodType
 
-from ..kernel.allowed import is_known, is_user_class, own_word
-from ..kernel.conditions import random_branch
-from ..kernel.config import Stack, State, Value, value
-from ..kernel.draws import draw, of_nothing
-from ..kernel.errors import RunError
-from ..kernel.host import HostException, Misapplied, host, raw
-from ..kernel.kinds import FLAT, always, in_the_plane, is_a, is_scalar, kind_name
-from ..kernel.nesting import check_written
-from ..kernel.outcome import Next, Outcome
-from ..kernel.positions import specified
-from ..kernel.premises import premises
-from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
-from ..kernel.scenic_classes import ScenicClass
-from ..kernel.scopes import Scope, function_names
-from ..kernel.suggestions import meant_parameter
-from ..kernel.values import (
+from ..machine.conditions import random_branch
+from ..machine.config import Stack, State, Value, value
+from ..machine.draws import draw, of_nothing
+from ..machine.host_calls import HostException, Misapplied, host, raw
+from ..machine.implicit_positions import specified
+from ..machine.operand_kinds import FLAT, always, in_the_plane, is_a, is_scalar, kind_name
+from ..machine.outcome import Next, Outcome
+from ..machine.premises import premises
+from ..machine.sandbox_table import is_known, is_user_class, own_word
+from ..machine.value_nesting import check_written
+from ..machine.values import (
     Bound,
     Constructor,
     Described,
@@ -39,24 +34,29 @@ from ..kernel.values import (
     unwrap,
     wrap,
 )
-from ..kernel.versions import STORED, note_call
-from ..kernel.waiting import refuse_waiting
+from ..machine.world_queries import Clock, Closest, check_running, distance_to_closest
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
-from ..space.numeric import number
+from ..space.numeric_functions import number
 from ..space.regions import BadRegion, Region
 from ..space.vectors import TakesObjects, TakesPoints, Vector
+from ..store.errors import RunError
+from ..store.postponed_values import refuse_waiting
+from ..store.scenic_classes import ScenicClass
+from ..store.scopes import Scope, function_names
+from ..store.suggestions import meant_parameter
+from ..store.undo_log import STORED, note_call
 from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node, Span
 from .assignment import random_write
-from .elementwise import generator_rule
+from .builtin_rules import HOST_RULES, SPECIALS, call_container_method, container_method, random_place
+from .call_costs import as_callback, called, check_arguments
+from .elementwise_builtins import generator_rule
 from .functions import bind, enter, returned
 from .iteration import elements, elements_in_this_run
 from .library import initialise
-from .members import Member, OperatorFunction, as_function, call_member
-from .prices import as_callback, called, check_arguments
-from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, random_place
+from .released_members import Member, OperatorFunction, as_function, call_member
 
 
 def call(node: p.Call, stack: Stack, state: State) -> Outcome:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import NamedTuple
 
-from ..kernel.conditions import truth
-from ..kernel.config import Config, Stack, State, reduce, value
-from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import ByIdentity, Names, Scope, function_names, target_names
-from ..kernel.sets import Set
+from ..machine.conditions import truth
+from ..machine.config import Config, Stack, State, reduce, value
+from ..machine.outcome import Next, Outcome
+from ..store.scopes import ByIdentity, Names, Scope, function_names, target_names
+from ..store.sets import Set
 from ..syntax import python_expressions as p
 from .assignment import bind_target
 from .expressions import container

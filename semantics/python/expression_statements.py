@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass
 from typing import NamedTuple
 
-from ..kernel.config import PASS, Config, Stack, State, reduce
-from ..kernel.errors import RunError
-from ..kernel.kinds import kind_name
-from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import MISSING
-from ..kernel.values import Dynamic, Module, plain
+from ..machine.config import PASS, Config, Stack, State, reduce
+from ..machine.operand_kinds import kind_name
+from ..machine.outcome import Next, Outcome
+from ..machine.values import Dynamic, Module, plain
 from ..space.fields import VectorField
 from ..space.regions import Region
+from ..store.errors import RunError
+from ..store.scopes import MISSING
 from ..syntax import dynamics as d
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p

@@ -9,24 +9,20 @@ from __future__ import annotations
 import operator as python
 from collections import defaultdict
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import BuiltinFunctionType
+from typing import Any
 
-from ..kernel.allowed import is_user_made, may_ask, names_in
-from ..kernel.classes import canonical
-from ..kernel.conditions import is_counted
-from ..kernel.config import Stack, State, value
-from ..kernel.errors import NotBegun, RunError
-from ..kernel.host import HostException, decided_by, host, raw
-from ..kernel.kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
-from ..kernel.outcome import Outcome
-from ..kernel.positions import wait
-from ..kernel.premises import premises, raw_axiom
-from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
-from ..kernel.scenic_classes import Above, ScenicClass
-from ..kernel.scopes import BEGUN, MISSING, Scope, function_names
-from ..kernel.sets import Set
-from ..kernel.suggestions import did_you_mean, note_keys
-from ..kernel.values import (
+from ..machine.conditions import is_counted
+from ..machine.config import Stack, State, value
+from ..machine.draws import draw
+from ..machine.host_calls import HostException, decided_by, host, raw
+from ..machine.implicit_positions import wait
+from ..machine.operand_kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
+from ..machine.outcome import Outcome
+from ..machine.premises import premises, raw_axiom
+from ..machine.sandbox_table import is_given, is_record, is_user_made, may_ask, names_in
+from ..machine.values import (
     Bound,
     Constructor,
     Dynamic,
@@ -43,22 +39,99 @@ from ..kernel.values import (
     with_random_keys,
     wrap,
 )
-from ..kernel.versions import note_call, note_item
-from ..kernel.waiting import Waiting, needs_position
+from ..machine.world_queries import Clock, Closest, Parameters, attribute_of_clock
+from ..space.distributions.families import Range
 from ..space.fields import VectorField
 from ..space.regions import PlaneShape, PolylineRegion
 from ..space.vectors import Vector
+from ..store.built_in_classes import canonical
+from ..store.errors import NotBegun, RunError
+from ..store.postponed_values import Waiting, needs_position
+from ..store.scenic_classes import Above, ScenicClass
+from ..store.scopes import BEGUN, MISSING, Scope, function_names
+from ..store.sets import Set
+from ..store.suggestions import did_you_mean, note_keys
+from ..store.undo_log import note_call, note_item
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .arithmetic import BINARY, UNARY, puts_together
-from .inheritance import attribute_above, member_of
+from .call_costs import check_key, check_keys
 from .iteration import elements
-from .keys import check_key, check_keys
-from .library import ascii_of, attribute_of, bound
-from .members import Member, member, own_name, rewritten
-from .texts import formatted as format_value
-from .texts import represented, stable_repr, written
+from .library import ascii_of, attribute_of, bound, method_of
+from .released_members import Member, member, own_name, rewritten
+from .string_methods import formatted as format_value
+from .string_methods import represented, stable_repr, written
+
+
+def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
+    """A member of a class, of one of its instances or (`subject` is None) of the class itself: methods know of what they are."""
+    match found:
+        case staticmethod(__func__=function):
+            return function
+        case classmethod(__func__=Function() as function):
+            return Method(function, class_, function.door)
+        case property() if subject is not None:
+            return raw(state.settings.door, state, found.__get__, subject, Instance)
+        case Function() if subject is not None:
+            return Method(found, subject, found.door)
+    return found
+
+
+NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
+"""The `__init__` of a Scenic class: what there is to do is done when the instance is made."""
+
+
+def attribute_above(above: Above, name: str, state: State) -> object:
+    """`super().name`: that of the first class behind the one of the method that has it."""
+    subject = above.subject
+    is_class = isinstance(subject, (type, ScenicClass))
+    for class_ in above.classes:
+        if isinstance(class_, type) and is_user_made(class_) and not is_given(class_, name):
+            continue
+        if isinstance(class_, type) and is_record(class_) and not is_class:
+            return raw(state.settings.door, state, of_subject, vars(class_)[name], subject)
+        members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
+        if name in members:
+            inner = plain(subject)
+            own = inner.class_ if isinstance(inner, Instance) else inner if is_class else type(inner)
+            return member_of(members[name], None if is_class else subject, own, state)
+        if isinstance(class_, type) and is_user_made(subject) and not is_class and not is_user_made(class_) and may_ask(class_, name):
+            return method_of_python(class_, name, subject, state)
+    if name == "__init__":
+        return NOTHING_TO_DO
+    raise HostException(AttributeError(f"super() has no attribute {name}"))
+
+
+def method_of_python(class_: type, name: str, subject: object, state: State) -> object:
+    """`super().name` where it is of a Python class below which the class of the program stands."""
+    ours = method_of(class_, name, state.settings.door.budget)
+    if isinstance(ours, Bound):  # which takes the subject first
+        return replace(ours, subject=(subject,))
+    found: Any = next((vars(c)[name] for c in class_.__mro__ if name in vars(c)), MISSING)
+    if found is MISSING:
+        raise HostException(AttributeError(f"super() has no attribute {name}"))
+    return raw(state.settings.door, state, of_subject, found, subject)
+
+
+def of_subject(found: Any, subject: object) -> object:
+    """What stands in a class, as its instance sees it."""
+    return found.__get__(subject, type(subject)) if hasattr(found, "__get__") else found
+
+
+def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
+    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
+    return premises(node, [node.low, node.high], conclude_interval, stack, state)
+
+
+def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Uniform on the interval if both ends are scalars, otherwise a pair."""
+    if all(has_kind(plain(v), "scalar") for v in values):
+        return draw(node, RANGE, tuple(values), {}, stack, state)
+    return displayed(tuple, values, node, stack, state)
+
+
+RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")
 
 
 def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
@@ -479,3 +552,4 @@ def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state:
     if not has_kind(plain(values[0]), "scalar"):
         raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
     return value("E-Seconds", values[0], stack, state, node)
+

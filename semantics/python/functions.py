@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..kernel.config import Abrupt, Config, Stack, State, Value, value
-from ..kernel.errors import RunError
-from ..kernel.host import Misapplied
-from ..kernel.outcome import Next, Outcome
-from ..kernel.positions import SPECIFIED, specified
-from ..kernel.premises import premises
-from ..kernel.scopes import Scope, function_names
-from ..kernel.suggestions import meant_parameter
-from ..kernel.values import Function
+from ..machine.config import Abrupt, Config, Stack, State, Value, value
+from ..machine.host_calls import Misapplied
+from ..machine.implicit_positions import SPECIFIED, specified
+from ..machine.outcome import Next, Outcome
+from ..machine.premises import premises
+from ..machine.values import Function
+from ..store.errors import RunError
+from ..store.scopes import Scope, function_names
+from ..store.suggestions import meant_parameter
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import NOWHERE, Node

@@ -8,16 +8,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..kernel.budget import LARGEST_SEQUENCE, Metered
-from ..kernel.conditions import random_branch
-from ..kernel.config import Abrupt, Config, Stack, State, Value
-from ..kernel.errors import NeedsElements, RunError
-from ..kernel.generators import EXHAUSTED, Generator
-from ..kernel.host import HostException, raw
-from ..kernel.kinds import is_scalar
-from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import Scope
-from ..kernel.values import Function, Random
+from ..machine.conditions import random_branch
+from ..machine.config import Abrupt, Config, Stack, State, Value
+from ..machine.host_calls import HostException, raw
+from ..machine.operand_kinds import is_scalar
+from ..machine.outcome import Next, Outcome
+from ..machine.values import Function, Random
+from ..store.budget import LARGEST_SEQUENCE, Metered
+from ..store.errors import NeedsElements, RunError
+from ..store.generators import EXHAUSTED, Generator
+from ..store.scopes import Scope
 from ..syntax.nodes import Node
 from ..syntax.python_expressions import Name
 from .functions import InScope

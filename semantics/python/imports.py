@@ -10,19 +10,19 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..kernel.config import Abrupt, Config, Stack, State
-from ..kernel.errors import ImportRefused, RunError
-from ..kernel.host import HostException
-from ..kernel.kinds import REGION, has_kind, is_object, kind_name, lacking
-from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Instance, Module, plain
+from ..machine.config import Abrupt, Config, Stack, State
+from ..machine.host_calls import HostException
+from ..machine.operand_kinds import REGION, has_kind, is_object, kind_name, lacking
+from ..machine.outcome import Next, Outcome
+from ..machine.values import Instance, Module, plain
+from ..store.errors import ImportRefused, RunError
+from ..store.scopes import MISSING, Scope
 from ..syntax import Program
 from ..syntax import statements as s
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.statements import Block
 from .assignment import assign_name
-from .control import block
+from .control_flow import block
 from .library import bound
 
 # Keys

@@ -9,16 +9,16 @@ import operator as python
 from collections.abc import Mapping
 from typing import Any
 
-from ..kernel.budget import LARGEST_SEQUENCE
-from ..kernel.conditions import random_branch
-from ..kernel.config import State
-from ..kernel.errors import RunError
-from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import is_vector, spread
-from ..kernel.sets import FrozenSet, Set
-from ..kernel.values import Origin, Random, plain, wrap
-from ..kernel.waiting import Waiting, needs_position
+from ..machine.conditions import random_branch
+from ..machine.config import State
+from ..machine.host_calls import HostException, host, raw
+from ..machine.operand_kinds import is_vector, spread
+from ..machine.values import Origin, Random, plain, wrap
 from ..space.vectors import Vector
+from ..store.budget import LARGEST_SEQUENCE
+from ..store.errors import RunError
+from ..store.postponed_values import Waiting, needs_position
+from ..store.sets import FrozenSet, Set
 from ..syntax.nodes import Node
 
 

@@ -16,18 +16,18 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made, own_word
-from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
-from ..kernel.containers import Counter, OrderedDict, deque
-from ..kernel.generators import Generator
-from ..kernel.sets import FrozenSet, Set
-from ..kernel.values import Bound, Hint, Native
-from ..kernel.versions import note_attribute, note_container
+from ..machine.sandbox_table import BUILTINS, MARK, OURS_OF_MATH, is_user_made, own_word
+from ..machine.values import Bound, Hint, Native
 from ..space.regions import PolygonalRegion, PolylineRegion
+from ..store.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from ..store.containers import Counter, OrderedDict, deque
+from ..store.generators import Generator
+from ..store.sets import FrozenSet, Set
+from ..store.undo_log import note_attribute, note_container
 from .arithmetic import BINARY
-from .prices import as_callback, check_exception, with_callbacks
-from .texts import METHODS as OF_TEXTS
-from .texts import decode, formatted, represented
+from .call_costs import as_callback, check_exception, with_callbacks
+from .string_methods import METHODS as OF_TEXTS
+from .string_methods import decode, formatted, represented
 
 
 def native(function: Callable[..., object], name: str = "") -> Native:

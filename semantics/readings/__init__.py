@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..kernel.errors import UsageError
-from ..kernel.suggestions import did_you_mean
-from .loading import load
-from .reading import PROFILES, Probe, Reading
+from ..store.errors import UsageError
+from ..store.suggestions import did_you_mean
+from .reading import PROFILES, Probe, Reading, load
 
 READINGS: Mapping[str, Reading] = load()
 

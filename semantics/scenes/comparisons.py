@@ -6,21 +6,21 @@ import operator as python
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..kernel.allowed import is_user_made
-from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
-from ..kernel.config import Stack, State, Value, reduce, value
-from ..kernel.containers import apart, deque
-from ..kernel.host import HostException, host
-from ..kernel.kinds import has_kind, is_a, is_scalar, kind_name, may_be_none
-from ..kernel.nesting import check_written
-from ..kernel.outcome import Next, Outcome
-from ..kernel.premises import Premises, premises
-from ..kernel.queries import Parameters
-from ..kernel.values import Random, plain, unwrap
-from ..python.keys import check_key
+from ..machine.conditions import before_operands, bool_of, combine, truth_of, where_open
+from ..machine.config import Stack, State, Value, reduce, value
+from ..machine.host_calls import HostException, host
+from ..machine.operand_kinds import has_kind, is_a, is_scalar, kind_name, may_be_none
+from ..machine.outcome import Next, Outcome
+from ..machine.premises import Premises, premises
+from ..machine.sandbox_table import is_user_made
+from ..machine.value_nesting import check_written
+from ..machine.values import Random, plain, unwrap
+from ..machine.world_queries import Parameters
+from ..python.call_costs import check_key
 from ..space.regions import Region
+from ..store.containers import apart, deque
 from ..syntax import python_expressions as p
-from .operations import membership
+from .operator_application import membership
 
 
 def contains(container: Any, item: object) -> bool:

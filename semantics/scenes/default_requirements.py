@@ -5,18 +5,36 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ..kernel.config import State
-from ..kernel.errors import RunError
-from ..kernel.kinds import REGION, Reader, View, has_kind, kind_name
-from ..kernel.outcome import Requirement
-from ..kernel.values import Instance, plain
+from ..machine.config import State
+from ..machine.operand_kinds import REGION, Reader, View, has_kind, kind_name
+from ..machine.outcome import Requirement
+from ..machine.values import Instance, plain
 from ..space import geometry
-from ..space.crowds import crowd_meets
-from ..space.numeric import cosine, every, may_be, met, negation, number, sine
+from ..space.box_crowds import crowd_meets, near_pairs
+from ..space.numeric_functions import cosine, every, may_be, met, negation, number, sine
 from ..space.regions import Region, everywhere
+from ..store.errors import RunError, ScenicError
 from ..syntax.nodes import NOWHERE
-from .neighbours import MANY, crowd_of, pairs_that_may_meet
 from .operators import can_see_object, object_is_in
+
+MANY = 50
+"""Up to so many objects, a rule goes through all pairs, one by one: it is quick, and a reader of the trace sees each."""
+
+
+def pairs_that_may_meet(objects: Sequence[Instance], state: State) -> list[tuple[int, int]] | None:
+    """The pairs of many objects that are near each other, by their places; None for few, or where one has a position or a size that is none."""
+    if len(objects) <= MANY:
+        return None
+    try:
+        return near_pairs(crowd_of(objects, state))
+    except (ScenicError, AttributeError):  # the premise that needs the value will say it
+        return None
+
+
+def crowd_of(objects: Sequence[Instance], state: State) -> list[tuple[float, float, float, float, float]]:
+    """The bounding boxes of the objects."""
+    views = [View(o, Reader(state)) for o in objects]
+    return [(o.position.x, o.position.y, o.heading, o.width, o.length) for o in views]
 
 
 class Premise(NamedTuple):
@@ -139,3 +157,4 @@ def contained_in(instance: Instance, reader: Reader) -> Region:
     if has_kind(found, REGION):
         return found  # type: ignore[return-value]
     raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.span, rule="T-Check")
+

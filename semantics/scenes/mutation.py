@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..kernel.config import State
-from ..kernel.draws import invalid
-from ..kernel.errors import RunError
-from ..kernel.kinds import Reader, is_scalar
-from ..kernel.outcome import Stuck
-from ..kernel.values import Instance
+from ..machine.config import State
+from ..machine.draws import invalid
+from ..machine.operand_kinds import Reader, is_scalar
+from ..machine.outcome import Stuck
+from ..machine.values import Instance
 from ..space.distributions import BadParameters, Normal
-from ..space.numeric import larger, number, smaller
+from ..space.numeric_functions import larger, number, smaller
 from ..space.vectors import Vector
+from ..store.errors import RunError
 
 POSE = 3  # x, y and heading
 NOISY_PROPERTIES = ("position", "heading", "color")

@@ -15,31 +15,31 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..kernel.classes import defaults_of
-from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
-from ..kernel.errors import RunError
-from ..kernel.kinds import REGION, OrientedPointAt, Reader, has_kind, is_object, kind_name
-from ..kernel.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
-from ..kernel.positions import expression_of, specified, specifying, wait, waits
-from ..kernel.premises import NOT_AN_AXIOM, Premises, axiom, premises
-from ..kernel.properties import checked_property
-from ..kernel.scenic_classes import DefaultIn, ScenicClass
-from ..kernel.scopes import Scope
-from ..kernel.simulation import check_setup
-from ..kernel.values import Instance, Origin, Random
-from ..kernel.waiting import Waiting
+from ..machine.built_in_properties import checked_property
+from ..machine.config import Abrupt, Config, Stack, State, Value, reduce, value
+from ..machine.implicit_positions import expression_of, specified, specifying, wait, waits
+from ..machine.operand_kinds import REGION, OrientedPointAt, Reader, has_kind, is_object, kind_name
+from ..machine.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
+from ..machine.premises import NOT_AN_AXIOM, Premises, axiom, premises
+from ..machine.simulation_state import check_setup
+from ..machine.values import Instance, Origin, Random
 from ..python.functions import LARGEST_DEPTH, InScope
 from ..space.distributions import BadParameters, PointIn
 from ..space.fields import OutsideField
 from ..space.regions import Region
 from ..space.vectors import Vector
+from ..store.built_in_classes import defaults_of
+from ..store.errors import RunError
+from ..store.postponed_values import Waiting
+from ..store.scenic_classes import DefaultIn, ScenicClass
+from ..store.scopes import Scope
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import Node
-from . import released
+from . import released_forms
 from . import specifiers as sp
-from .operations import compute, heading_property
+from .operator_application import compute, heading_property
 from .operators import EGO, EGO_POSITION
 from .resolution import Ordered, Specification, postponed, resolve_specifiers
 from .specifier_arguments import arguments_of, choose_form, default_specification, describe, ego_of, forms_under
@@ -96,7 +96,7 @@ def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Ou
 def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Stack, state: State) -> Outcome:
     """Rewrite the specifiers one by one, then reduce their arguments."""
     for index, specifier in enumerate(node.specifiers):
-        rewriting = released.REWRITINGS.get(type(specifier))
+        rewriting = released_forms.REWRITINGS.get(type(specifier))
         if rewriting is not None and rewriting.applies(specifier):
             written = rewriting.rewrite(specifier)
             if any(argument is EGO or argument is EGO_POSITION for argument in arguments_of(written)):

@@ -12,10 +12,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from ..kernel.kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
+from ..machine.operand_kinds import (
+    FIELD,
+    HEADING,
+    OBJECT,
+    ORIENTED_POINT,
+    POINT,
+    REGION,
+    SCALAR,
+    VECTOR,
+    OrientedPointAt,
+    View,
+)
 from ..space import geometry
 from ..space.fields import VectorField
-from ..space.numeric import number
+from ..space.numeric_functions import number
 from ..space.regions import CircularRegion, Region, SectorRegion
 from ..space.vectors import Vector
 from ..syntax import expressions as e

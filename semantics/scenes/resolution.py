@@ -9,7 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..kernel.errors import CyclicDependencies, MissingProperty, ResolutionError, SpecifiedTwice, SpecifiedTwiceOptionally
+from ..store.errors import (
+    CyclicDependencies,
+    MissingProperty,
+    ResolutionError,
+    SpecifiedTwice,
+    SpecifiedTwiceOptionally,
+)
 from ..syntax.nodes import NOWHERE, Node, Span
 from .specifiers import Form
 

@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
-from ..kernel.classes import canonical
-from ..kernel.config import State
-from ..kernel.errors import RunError
-from ..kernel.kinds import FLAT, OBJECT, SCALAR, has_kind, in_the_plane, unfit
-from ..kernel.positions import waits
-from ..kernel.premises import axiom
-from ..kernel.scenic_classes import ScenicClass
-from ..kernel.scopes import ByIdentity, descendants
-from ..kernel.values import unwrap
+from ..machine.config import State
+from ..machine.implicit_positions import waits
+from ..machine.operand_kinds import FLAT, OBJECT, SCALAR, has_kind, in_the_plane, unfit
+from ..machine.premises import axiom
+from ..machine.values import unwrap
+from ..store.built_in_classes import canonical
+from ..store.errors import RunError
+from ..store.scenic_classes import ScenicClass
+from ..store.scopes import ByIdentity, descendants
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import NOWHERE, Node
-from . import released
+from . import released_forms
 from . import specifiers as sp
 from .operators import EGO
 from .resolution import Specification
@@ -31,7 +31,7 @@ def arguments_of(node: Node) -> list[Node]:
     """The argument expressions of a specifier, in the order of its form's kinds."""
     if isinstance(node, q.WithSpecifier):
         return [node.value]
-    return [getattr(node, name) for name in released.FORMS[type(node)][0]]
+    return [getattr(node, name) for name in released_forms.FORMS[type(node)][0]]
 
 
 def describe(node: Node, arguments: Sequence[object], state: State) -> Specification:
@@ -54,7 +54,7 @@ def describe(node: Node, arguments: Sequence[object], state: State) -> Specifica
 def forms_under(node: Node, state: State) -> tuple[sp.Form, ...]:
     """The forms of a specifier under the readings of the run."""
     offset_by, amounts, heading = map(state.reading, ("offset-by", "offset-amounts", "offset-heading"))
-    return released.forms_of(node, offset_by, amounts, heading, state.settings.dialect)
+    return released_forms.forms_of(node, offset_by, amounts, heading, state.settings.dialect)
 
 
 def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:
@@ -65,7 +65,7 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[obje
     operands = [unwrap(a)[0] for a in arguments]
     for form in forms:
         if all(has_kind(v, kind) for v, kind in zip(operands, form.kinds, strict=True)):
-            if form is released.ON_VECTOR and has_kind(operands[0], OBJECT):
+            if form is released_forms.ON_VECTOR and has_kind(operands[0], OBJECT):
                 hint = "write `at O`, or `ahead of O` and its kin"
                 raise RunError(f"`on` an Object is on its surface, which {FLAT}", arguments_of(node)[0].span, rule=form.rule, hint=hint)
             return form, tuple(arguments)

@@ -11,7 +11,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from ..kernel.kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
+from ..machine.operand_kinds import (
+    FIELD,
+    HEADING,
+    OBJECT,
+    ORIENTED_POINT,
+    POINT,
+    REGION,
+    SCALAR,
+    VECTOR,
+    OrientedPointAt,
+    View,
+)
 from ..space import geometry
 from ..space.fields import VectorField
 from ..space.regions import Region

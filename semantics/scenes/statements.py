@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..kernel.conditions import holding
-from ..kernel.config import PASS, Abrupt, Captured, Config, Stack, State, reduce
-from ..kernel.draws import numbered_apart
-from ..kernel.errors import RunError
-from ..kernel.kinds import is_object, is_scalar, kind_name
-from ..kernel.nesting import check_nesting
-from ..kernel.outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
-from ..kernel.premises import premises
-from ..kernel.simulation import check_setup
-from ..kernel.values import Instance, Origin, Random, plain, unwrap
+from ..machine.conditions import holding
+from ..machine.config import PASS, Abrupt, Captured, Config, Stack, State, reduce
+from ..machine.draws import numbered_apart
+from ..machine.operand_kinds import is_object, is_scalar, kind_name
+from ..machine.outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
+from ..machine.premises import premises
+from ..machine.simulation_state import check_setup
+from ..machine.value_nesting import check_nesting
+from ..machine.values import Instance, Origin, Random, plain, unwrap
 from ..python.assignment import done
 from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
-from ..space.numeric import is_finite_number, met
+from ..space.numeric_functions import is_finite_number, met
+from ..store.errors import RunError
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
 

@@ -6,17 +6,33 @@ scenario that runs has made others (reading `dynamic-objects`).
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
-from ..kernel.config import PASS, Captured, Config, Stack, State, Value
-from ..kernel.kinds import Reader
-from ..kernel.outcome import Done, Draw, Next, Observe, Outcome, Stuck
-from ..kernel.values import Origin, Random
+from ..machine.config import PASS, Captured, Config, Stack, State, Value
+from ..machine.host_calls import host
+from ..machine.operand_kinds import Reader
+from ..machine.outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
+from ..machine.values import Origin, Random, plain
+from ..syntax.nodes import NOWHERE
 from ..syntax.python_expressions import Constant
 from .default_requirements import Premise, check_default_requirements, default_requirements
-from .given import given_params
 from .mutation import NOISY_PROPERTIES, apply_mutations
 from .statements import enforce
+
+
+def given_params(state: State) -> Iterator[Premise]:
+    """The parameters that have to have a given value, once a scene is generated."""
+    if state.simulation is None:
+        for name, value in state.settings.given.params.items():
+            yield Premise(partial(has_value, name, value), (), Requirement("given", NOWHERE, f"the parameter {name} is {value!r}, as is given"))
+
+
+def has_value(name: str, value: object, state: State) -> bool:
+    """π(name) = value; on symbols a symbol."""
+    return plain(host(state.settings.door, state, operator.eq, state.params[name], value))  # type: ignore[return-value]
 
 
 class Mutating(NamedTuple):
@@ -102,3 +118,4 @@ def resume_checking(frame: Checking, result: object, stack: Stack, state: State)
     requirement, holds = checked
     after = Config(PASS, (frame._replace(i=frame.i + 1), stack), state)
     return Observe("T-Check", requirement, after) if holds else Stuck("T-Check", requirement, after)
+

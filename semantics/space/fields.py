@@ -14,7 +14,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from .boundaries import all_widened
-from .numeric import is_real, lifted
+from .numeric_functions import is_real, lifted
 from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"

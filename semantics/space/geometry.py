@@ -19,7 +19,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .boundaries import METRES, RADIANS
-from .numeric import arc_tangent, cosine, larger, macro, plain_float, real, sine, smaller
+from .numeric_functions import arc_tangent, cosine, larger, macro, plain_float, real, sine, smaller
 from .vectors import Vector
 
 TAU = 2.0 * math.pi

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from ...semantics.kernel.errors import GuardViolation, InvariantViolation, PreconditionViolation
-from ...semantics.kernel.host import HostException
-from ...semantics.kernel.scopes import ByIdentity, Names, Scope, function_names
-from ...semantics.kernel.values import Dynamic, Function
+from ...semantics.machine.host_calls import HostException
+from ...semantics.machine.values import Dynamic, Function
 from ...semantics.python.functions import bind
+from ...semantics.store.errors import GuardViolation, InvariantViolation, PreconditionViolation
+from ...semantics.store.scopes import ByIdentity, Names, Scope, function_names
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Expression, Node
 from ...semantics.syntax.python_expressions import Parameter

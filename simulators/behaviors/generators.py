@@ -15,14 +15,14 @@ from ...semantics.dynamics.frames import BODY
 from ...semantics.dynamics.guards import scope_of
 from ...semantics.dynamics.invocations import with_arguments
 from ...semantics.dynamics.scenarios import deadline_of
-from ...semantics.kernel.config import PASS, Abrupt, Config
-from ...semantics.kernel.outcome import Draw, Next, Requirement
-from ...semantics.kernel.scopes import Scope
-from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulation_of
-from ...semantics.kernel.values import Dynamic, Instance, plain, unwrap
-from ...semantics.python.texts import stable_repr
+from ...semantics.machine.config import PASS, Abrupt, Config
+from ...semantics.machine.outcome import Draw, Next, Requirement
+from ...semantics.machine.simulation_state import flagged, has_passed, line_of, simulation_of
+from ...semantics.machine.values import Dynamic, Instance, plain, unwrap
+from ...semantics.python.string_methods import stable_repr
 from ...semantics.space.distributions import Discrete
 from ...semantics.space.vectors import Unchanging, Vector
+from ...semantics.store.scopes import Scope
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node

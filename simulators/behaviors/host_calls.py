@@ -13,22 +13,22 @@ from functools import cache, cached_property
 from types import BuiltinFunctionType, FunctionType, MethodType, NoneType
 from typing import Any, NamedTuple
 
-from ...semantics.kernel.allowed import may_ask
-from ...semantics.kernel.config import State
-from ...semantics.kernel.errors import OutOfTime, RunError
-from ...semantics.kernel.kinds import is_object, is_oriented
-from ...semantics.kernel.queries import Clock
-from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.scopes import MISSING
-from ...semantics.kernel.values import Bound, Instance, Random, plain, wrap
+from ...semantics.machine.config import State
+from ...semantics.machine.operand_kinds import is_object, is_oriented
+from ...semantics.machine.sandbox_table import may_ask
+from ...semantics.machine.values import Bound, Instance, Random, plain, wrap
+from ...semantics.machine.world_queries import Clock
+from ...semantics.python.builtin_rules import SPECIAL_VALUES
 from ...semantics.python.library import BUILTIN, GIVEN
 from ...semantics.python.library import METHODS as OURS
-from ...semantics.python.specials import SPECIAL_VALUES
-from ...semantics.scenes.operations import select
+from ...semantics.scenes.operator_application import select
 from ...semantics.scenes.operators import Equation
 from ...semantics.space.fields import VectorField
 from ...semantics.space.regions import Region
 from ...semantics.space.vectors import Unchanging, Vector
+from ...semantics.store.errors import OutOfTime, RunError
+from ...semantics.store.scenic_classes import ScenicClass
+from ...semantics.store.scopes import MISSING
 from ...semantics.syntax.nodes import Node
 from ..worlds.driving.arguments import check_arguments
 

@@ -12,11 +12,14 @@ from enum import Enum
 from types import NoneType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from ...semantics.dynamics.processes import Coroutine
-from ...semantics.kernel.allowed import is_hidden, is_user_made
-from ...semantics.kernel.conditions import holding, truth
-from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
-from ...semantics.kernel.driving import (
+from ...semantics.dynamics.coroutines import Coroutine
+from ...semantics.machine.conditions import holding, truth
+from ...semantics.machine.config import Abrupt, Config, Stack, State, Value
+from ...semantics.machine.host_calls import DEEPEST_CALLS, HostException
+from ...semantics.machine.operand_kinds import Reader, is_object
+from ...semantics.machine.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
+from ...semantics.machine.premises import SHARED, Conclusion, Premises, variable
+from ...semantics.machine.run_loop import (
     Arrived,
     Chooser,
     Machine,
@@ -25,34 +28,31 @@ from ...semantics.kernel.driving import (
     drive_machine,
     taken_over,
 )
-from ...semantics.kernel.errors import NeedsElements, OutOfTime
-from ...semantics.kernel.generators import EXHAUSTED, Generator
-from ...semantics.kernel.host import DEEPEST_CALLS, HostException
-from ...semantics.kernel.kinds import Reader, is_object
-from ...semantics.kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
-from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
-from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
-from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.scopes import MISSING, Scope
-from ...semantics.kernel.sets import Set
-from ...semantics.kernel.simulation import Who
-from ...semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Random, plain, unwrap
+from ...semantics.machine.sandbox_table import is_hidden, is_user_made
+from ...semantics.machine.simulation_state import Who
+from ...semantics.machine.values import Dynamic, Function, Instance, Method, Module, Random, plain, unwrap
+from ...semantics.machine.world_queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.python.assignment import bind_target, conclude_assignment, conclude_augmented
 from ...semantics.python.calls import conclude_call, invocation
 from ...semantics.python.comprehensions import inner_scope
-from ...semantics.python.elementwise import LISTING
+from ...semantics.python.elementwise_builtins import LISTING
 from ...semantics.python.expression_statements import Discard, resume_discard
 from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_subscript, conclude_unary, container
 from ...semantics.python.functions import InScope, make_function
 from ...semantics.python.generators import Walk, pull, taken, walk
 from ...semantics.scenes.comparisons import conclude_comparison
 from ...semantics.scenes.object_definitions import ClassOf
-from ...semantics.scenes.operations import apply_operator, apply_side, compute, new_oriented_point
+from ...semantics.scenes.operator_application import apply_operator, apply_side, compute, new_oriented_point
 from ...semantics.scenes.operators import IN_EQUATIONS, SIDES, Equation, OrientedPointAt, distance
-from ...semantics.scenes.released import equations_of
+from ...semantics.scenes.released_forms import equations_of
 from ...semantics.space.regions import EmptyRegion, Region, UnboundedRegion
 from ...semantics.space.vectors import Vector
 from ...semantics.step import step, stopped, told
+from ...semantics.store.errors import NeedsElements, OutOfTime
+from ...semantics.store.generators import EXHAUSTED, Generator
+from ...semantics.store.scenic_classes import ScenicClass
+from ...semantics.store.scopes import MISSING, Scope
+from ...semantics.store.sets import Set
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.expressions import Distance, ObjectOrValue, SideOf

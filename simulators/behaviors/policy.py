@@ -13,17 +13,15 @@ from typing import Any
 from ...interpreter.runtime.process_sandbox import within
 from ...interpreter.runtime.program_run import DEFAULT_FUEL, Chooser, Witness
 from ...semantics.dynamics import policy as rules
+from ...semantics.dynamics.coroutines import DYNAMIC, Ended, Yielded, address_of
 from ...semantics.dynamics.guards import at_top_level, opening_guards
 from ...semantics.dynamics.interrupts import run_for_one_step
 from ...semantics.dynamics.invocations import doing, with_arguments
-from ...semantics.dynamics.processes import DYNAMIC, Ended, Yielded, address_of
-from ...semantics.dynamics.requirements import CONDITIONS, over_time
-from ...semantics.kernel.config import Config, Stack, State, Value
-from ...semantics.kernel.driving import Arrived, Unfinished, drive_machine, taken_over
-from ...semantics.kernel.errors import FuelExhausted, GuardViolation
-from ...semantics.kernel.outcome import Act, Finish, Outcome, Requirement, Stuck
-from ...semantics.kernel.scopes import ByIdentity
-from ...semantics.kernel.simulation import (
+from ...semantics.dynamics.temporal_requirements import CONDITIONS, over_time
+from ...semantics.machine.config import Config, Stack, State, Value
+from ...semantics.machine.outcome import Act, Finish, Outcome, Requirement, Stuck
+from ...semantics.machine.run_loop import Arrived, Unfinished, drive_machine, taken_over
+from ...semantics.machine.simulation_state import (
     TOP,
     Agent,
     Declared,
@@ -36,8 +34,10 @@ from ...semantics.kernel.simulation import (
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ...semantics.kernel.values import Dynamic, Instance, plain
+from ...semantics.machine.values import Dynamic, Instance, plain
 from ...semantics.step import step as machine_step
+from ...semantics.store.errors import FuelExhausted, GuardViolation
+from ...semantics.store.scopes import ByIdentity
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Node, Span
 from ...semantics.syntax.statements import Block

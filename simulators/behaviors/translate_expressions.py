@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ...semantics.kernel.classes import canonical
-from ...semantics.kernel.premises import SHARED
-from ...semantics.kernel.scopes import NO_NAMES, Names, descendants, target_names
-from ...semantics.scenes.released import EQUATIONS, REWRITINGS
+from ...semantics.machine.premises import SHARED
+from ...semantics.scenes.released_forms import EQUATIONS, REWRITINGS
+from ...semantics.store.built_in_classes import canonical
+from ...semantics.store.scopes import NO_NAMES, Names, descendants, target_names
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax.nodes import Node

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
-from ...semantics.kernel.premises import SHARED
-from ...semantics.kernel.queries import Clock
-from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, descendants, function_names
-from ...semantics.kernel.values import Instance, Random
-from ...semantics.kernel.waiting import Waiting
+from ...semantics.machine.premises import SHARED
+from ...semantics.machine.values import Instance, Random
+from ...semantics.machine.world_queries import Clock
 from ...semantics.space.vectors import Vector
+from ...semantics.store.postponed_values import Waiting
+from ...semantics.store.scenic_classes import ScenicClass
+from ...semantics.store.scopes import MISSING, NO_NAMES, Names, descendants, function_names
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s

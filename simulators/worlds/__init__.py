@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...interpreter.language.modules import World
 from ...roads.user_maps import FEATURES
-from ...semantics.kernel.values import Native
+from ...semantics.machine.values import Native
 from ...semantics.python.builtins import BUILTINS
 from ...semantics.syntax import Program
 from . import driving, site_maps

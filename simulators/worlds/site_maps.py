@@ -8,7 +8,7 @@ from pathlib import Path
 from ...interpreter.language.modules import World
 from ...roads.geodata import read_site
 from ...roads.user_maps import FEATURES, SiteMap
-from ...semantics.kernel.errors import ImportRefused, ScenicError
+from ...semantics.store.errors import ImportRefused, ScenicError
 from ...semantics.syntax import Program
 from ...semantics.syntax.nodes import NOWHERE, Span
 from ...semantics.syntax.python_expressions import Constant

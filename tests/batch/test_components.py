@@ -15,7 +15,7 @@ from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.inference.comparison.exact_laws import Categorical, evidence
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError
 
 LEVEL = 1e-9
 """The risk that a right sampler fails a test here."""

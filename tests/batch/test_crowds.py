@@ -12,9 +12,9 @@ import scenic_ref
 from scenic_ref.api import Backend
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.batch.graph import Crowd
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.semantics.scenes import neighbours
-from scenic_ref.semantics.space import crowds
+from scenic_ref.semantics.scenes import default_requirements
+from scenic_ref.semantics.space import box_crowds
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 JUMBLE = """\
 ego = Object at 0 @ 0, with width 1, with allowCollisions {allow}
@@ -75,7 +75,7 @@ def test_a_graph_grows_with_the_objects_and_not_with_their_pairs() -> None:
 @pytest.mark.extra("fast")
 def test_compiled_scenes_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer objects than make a crowd else, since compiling takes as long as there are objects."""
-    monkeypatch.setattr(neighbours, "MANY", 15)
+    monkeypatch.setattr(default_requirements, "MANY", 15)
     text = program(20, 2.5)
     batch = batch_of(text)
     assert any(isinstance(node.function, Crowd) for node in batch.graph.nodes)
@@ -89,7 +89,7 @@ def test_compiled_a_crowd_meets_if_it_does_in_columns(closed: bool) -> None:
     from scenic_ref.inference.batch.primitives.numba_kernels import row_meets
 
     told = [row_meets(row, closed) for row in map(crowd, range(200))]
-    assert told == [crowds.row_meets(row.T, closed) for row in map(crowd, range(200))]
+    assert told == [box_crowds.row_meets(row.T, closed) for row in map(crowd, range(200))]
     assert 40 < sum(told) < 160
 
 
@@ -119,7 +119,7 @@ def test_importance_gives_no_scene_in_which_boxes_meet() -> None:
     for scene in found:
         boxes = [(o.position.x, o.position.y, o.heading, o.width, o.length) for o in scene.objects[1:]]
         numbers = [n for x, y, heading, w, h in boxes for n in (x, y, math.cos(heading), math.sin(heading), w / 2, h / 2)]
-        assert not crowds.crowd_meets(True, *numbers)
+        assert not box_crowds.crowd_meets(True, *numbers)
 
 
 @pytest.mark.extra("torch")
@@ -136,4 +136,4 @@ def test_a_crowd_of_which_no_run_is_left_is_rejected() -> None:
     text = "ego = Object at 0 @ -5\nfor i in range(55):\n    Object at Range(0, 900) @ Range(0, 900)\n"
     with pytest.raises(AttemptsExhausted, match="visible from ego"):
         list(scenic_ref.loads(text).sample_many(20, 0, backend="batch", max_attempts=300))
-    assert len(crowds.crowd_meets(True, *[np.zeros(0)] * 60)) == 0  # type: ignore[arg-type]
+    assert len(box_crowds.crowd_meets(True, *[np.zeros(0)] * 60)) == 0  # type: ignore[arg-type]

@@ -11,9 +11,9 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.batch import symbolic, tracing
 from scenic_ref.inference.batch.graph import RowCall
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
-from scenic_ref.semantics.kernel.outcome import Requirement
-from scenic_ref.semantics.space.symbols import NotLifted
+from scenic_ref.semantics.machine.outcome import Requirement
+from scenic_ref.semantics.space.symbol_seam import NotLifted
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError
 
 MODEL = "model scenic.domains.driving.model\n"
 PLACES = (

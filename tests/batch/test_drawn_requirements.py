@@ -11,9 +11,9 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.batch.numpy_evaluator import leavers
-from scenic_ref.semantics.kernel.outcome import Requirement
-from scenic_ref.semantics.scenes import default_requirements, neighbours
-from scenic_ref.semantics.space.symbols import Symbol
+from scenic_ref.semantics.machine.outcome import Requirement
+from scenic_ref.semantics.scenes import default_requirements
+from scenic_ref.semantics.space.symbol_seam import Symbol
 from scenic_ref.testing import assert_same_distribution, same_distribution
 
 PROGRAMS = {
@@ -81,7 +81,7 @@ def test_compiled_the_scenes_are_the_same(name: str) -> None:
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_of_many_objects_the_runs_in_which_others_may_collide_are_left(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A premise about all of them has to know which they are."""
-    monkeypatch.setattr(neighbours, "MANY", 1)
+    monkeypatch.setattr(default_requirements, "MANY", 1)
     monkeypatch.setattr(default_requirements, "MANY", 1)
     assert told(name, "batch") == told(name, "interpreter")
 

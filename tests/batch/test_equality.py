@@ -8,8 +8,8 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted
-from scenic_ref.semantics.kernel import budget
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.store import budget
+from scenic_ref.semantics.store.errors import ScenicError
 
 GALLERY = sorted((Path(__file__).parent.parent.parent / "examples" / "gallery").glob("*.scenic"))
 COMPILED = ("badly_parked_car", "noise", "overlapping_cars")

@@ -9,7 +9,7 @@ import scenic_ref
 from scenic_ref.conformance.generator import random_programs
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Rejected, run
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError
 
 EGO = "ego = Object at (0, 0)\n"
 

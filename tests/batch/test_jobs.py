@@ -24,7 +24,7 @@ from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.block_tables import Tables
 from scenic_ref.inference.batch.jobs.scene_lines import PACE_KNOWN, Lines, lines_of
 from scenic_ref.inference.batch.jobs.worker_pools import Pace, block_of, in_order, uninterrupted
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s in (".parquet", ".arrow") else ()) for s in ALL]
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -216,7 +216,7 @@ def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
 DYING = """
 import os, signal, threading
 from scenic_ref.inference.batch.jobs.worker_pools import processes
-from scenic_ref.semantics.kernel.errors import InternalError
+from scenic_ref.semantics.store.errors import InternalError
 
 def work(job):
     if job == 3:

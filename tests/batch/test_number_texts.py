@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.data import json_numbers
-from scenic_ref.data.json_numbers import ALIKE, number_texts
+from scenic_ref.inference.batch.jobs import text_rows
+from scenic_ref.inference.batch.jobs.text_rows import ALIKE, number_texts
 
 EDGES = [0.0, -0.0, 5e-324, 1e-5, 1e-4, *ALIKE, 1e16, 1e17, 1e22, 2.0**53, 0.1 + 0.2, 1 / 3, 1e-7, 123456789012345.6, 999999999999999.9, 1.7e308]
 
@@ -26,8 +26,8 @@ def writer(request, monkeypatch):
     if request.param == "compiled":
         return compiled
     if request.param == "by Python":
-        monkeypatch.setattr(json_numbers, "quick_dumps", lambda: None)
-    elif json_numbers.quick_dumps() is None:
+        monkeypatch.setattr(text_rows, "quick_dumps", lambda: None)
+    elif text_rows.quick_dumps() is None:
         pytest.skip("needs the extra fast")
     return number_texts
 

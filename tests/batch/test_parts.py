@@ -19,12 +19,12 @@ from scenic_ref.inference.batch.primitives.random_numbers import Numbers
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.interpreter.runtime.answerers import PER_SCENE
 from scenic_ref.interpreter.runtime.random_streams import Stream, philox
-from scenic_ref.semantics.kernel.budget import Budget
-from scenic_ref.semantics.space.numeric import arc_tangent, either, every, larger, search
+from scenic_ref.semantics.space.numeric_functions import arc_tangent, either, every, larger, search
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
 from scenic_ref.semantics.space.regions.approximation import box_shape
-from scenic_ref.semantics.space.symbols import NotLifted
+from scenic_ref.semantics.space.symbol_seam import NotLifted
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.budget import Budget
 
 ADDRESSES = ((0,), (3, 1), (7, 2, 5))
 

@@ -6,7 +6,7 @@ import random
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 REGIONS = (
     "CircularRegion(2 @ 1, 6)", "SectorRegion(0 @ 0, 8, 30 deg, 100 deg)", "RectangularRegion(-1 @ 2, 20 deg, 8, 5)",

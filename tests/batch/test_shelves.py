@@ -19,7 +19,7 @@ from scenic_ref.inference.batch.jobs import memory_files
 from scenic_ref.inference.batch.jobs.memory_files import Shelf, lay
 from scenic_ref.inference.batch.jobs.worker_pools import processes
 from scenic_ref.interpreter.runtime.process_sandbox import WALL
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 with Shelf() as tried:
     THERE = tried.lend() is not None

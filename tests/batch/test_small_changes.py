@@ -6,7 +6,7 @@ import signal
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 
 LIFTED = {
     "a vector along a field, in the runs that have one": """

@@ -12,7 +12,7 @@ import pytest
 import scenic_ref
 from scenic_ref.cli.check_reports import shares
 from scenic_ref.inference.comparison.sample_files import read_samples
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 from scenic_ref.testing import assert_same_distribution
 
 RIGHT = "x = Range(0, 1)\ny = Range(0, 1)\nego = Object at (x, 0)\nObject at (5, y), with requireVisible False\n"

@@ -24,7 +24,7 @@ LONG = {
 STARTED = """
 import itertools, sys, time, ctypes, os, signal
 from scenic_ref.semantics.python import builtins
-from scenic_ref.semantics.kernel.values import Native
+from scenic_ref.semantics.machine.values import Native
 from scenic_ref import cli
 builtins.BUILTINS["hole"] = Native("hole", lambda: {deed})
 cli.main()

@@ -15,7 +15,7 @@ import scenic_ref
 from PIL import Image
 from scenic_ref.pictures.movies import MOST_FRAMES, frames_of, movie
 from scenic_ref.pictures.scene_figures import CLASSES, EGO
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 MOVING = """
 ego = Object at (0, 0), with velocity (3, 0)

@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.data.recording_reader import recording_from
 from scenic_ref.data.simulation import to_json
-from scenic_ref.semantics.kernel.errors import SimulatorError, UsageError
+from scenic_ref.semantics.store.errors import SimulatorError, UsageError
 from scenic_ref.simulators.still import Still
 
 CARS = """

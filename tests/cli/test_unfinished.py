@@ -9,9 +9,15 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.data import atomic_files
-from scenic_ref.data.atomic_files import is_running, nameless_file, remove_unfinished, whole_file, write_whole
 from scenic_ref.data.table_files import KINDS_OF_FILE, open_table
+from scenic_ref.interpreter.runtime import atomic_files
+from scenic_ref.interpreter.runtime.atomic_files import (
+    is_running,
+    nameless_file,
+    remove_unfinished,
+    whole_file,
+    write_whole,
+)
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no such signals")
 WAYS = ["nameless", "named"]

@@ -14,13 +14,13 @@ from threading import Barrier
 import pytest
 from scenic_ref.interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
 from scenic_ref.interpreter.runtime.process_sandbox import RUNNING, WALL, within
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")
 HOLE = """
 import os, sys, socket, subprocess, ctypes, tempfile, shutil
 from scenic_ref.semantics.python import builtins
-from scenic_ref.semantics.kernel.values import Native
+from scenic_ref.semantics.machine.values import Native
 from scenic_ref.cli import answer
 builtins.BUILTINS["hole"] = Native("hole", lambda: {deed})
 sys.exit(answer(sys.argv[1:]))

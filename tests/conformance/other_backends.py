@@ -20,7 +20,7 @@ from scenic_ref.conformance.implementations.reference import load, told
 from scenic_ref.conformance.recorded_world import RecordedWorld, World
 from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.batch import block_rejection
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.testing import same_distribution
 from scenic_ref.testing.judge import enumerated
 

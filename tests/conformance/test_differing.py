@@ -25,8 +25,8 @@ from scenic_ref.conformance.implementations.line_process import ImplementationFa
 from scenic_ref.conformance.implementations.protocol import Task
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
 from scenic_ref.interpreter.language.dialects import DIALECTS
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.readings import select
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 OTHER = """
 from dataclasses import replace

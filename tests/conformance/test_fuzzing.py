@@ -41,7 +41,13 @@ from scenic_ref.conformance.implementations import harness_client, line_process
 from scenic_ref.conformance.implementations.environments import implementation
 from scenic_ref.conformance.vector_files import read_file
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, CheckError, ParseError, ProgramError, UsageError
+from scenic_ref.semantics.store.errors import (
+    AttemptsExhausted,
+    CheckError,
+    ParseError,
+    ProgramError,
+    UsageError,
+)
 
 OTHER = """
 from scenic_ref.conformance import Ourselves

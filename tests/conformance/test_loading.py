@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.conformance.vector_files import load_vectors, read_all, read_file
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 HEAD = 'chapter = "C"\n[[vector]]\nname = "v"\npaper = "p"\nprogram = "ego = Object"\n'
 VALUES = "values = { params = { r = 1 }, tolerance = 0 }\n"

@@ -10,9 +10,9 @@ from scenic_ref.conformance import ConformanceVector, Enumerated, NeverAccepted,
 from scenic_ref.conformance.implementations.protocol import SceneRecord, SimulationRecord
 from scenic_ref.conformance.matchers.simulations import AlwaysRejected, Simulations
 from scenic_ref.conformance.vector_files import read_file
-from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES
+from scenic_ref.semantics.store.errors import UsageError
 
 VECTORS = [v for v in load_vectors() if v.steps is not None]
 HEAD = 'chapter = "C"\n[[vector]]\nname = "v"\npaper = "p"\nprogram = "ego = Object"\n'

@@ -24,10 +24,10 @@ from scenic_ref.conformance.matchers.simulations import Simulations
 from scenic_ref.conformance.matchers.values import SceneValues
 from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
 from scenic_ref.semantics.python.builtins import CONSTRUCTORS
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES
+from scenic_ref.semantics.store.built_in_classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
 from scenic_ref.semantics.syntax import Node, expressions, python_expressions, specifiers, statements
 
 VECTORS = load_vectors()

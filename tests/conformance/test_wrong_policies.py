@@ -6,8 +6,16 @@ from collections.abc import Callable
 
 import pytest
 from scenic_ref.conformance import Ourselves, judge, load_vectors
-from scenic_ref.semantics.dynamics import choices, endings, guards, interrupts, invocations, policy, scenarios
-from scenic_ref.semantics.kernel.simulation import TOP, simulation_of
+from scenic_ref.semantics.dynamics import (
+    choose_and_shuffle,
+    endings,
+    guards,
+    interrupts,
+    invocations,
+    policy,
+    scenarios,
+)
+from scenic_ref.semantics.machine.simulation_state import TOP, simulation_of
 from scenic_ref.semantics.space.distributions import Discrete
 
 VECTORS = {v.name: v for v in load_vectors() if v.steps is not None}
@@ -34,7 +42,7 @@ def replaced(module: object, name: str, function: object, *others: object) -> Pa
 
 
 interruptible, check_interrupts, has_passed = interrupts.interruptible, interrupts.check_interrupts, interrupts.has_passed
-choose, guards_of, ended_by_monitor = choices.choose, guards.guards_of, policy.ended_by_monitor
+choose, guards_of, ended_by_monitor = choose_and_shuffle.choose, guards.guards_of, policy.ended_by_monitor
 begin_scenarios = scenarios.begin_scenarios
 
 
@@ -109,10 +117,10 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
         ("override-of-a-property", "override-of-a-behavior", "nested-overrides", "override-ends-with-an-aborted-scenario"),
     ),
     "preconditions are ignored by do choose": (
-        replaced(choices, "choose", all_enabled),
+        replaced(choose_and_shuffle, "choose", all_enabled),
         ("do-choose-with-one-disabled", "do-choose-with-one-enabled", "do-choose-with-weights-and-one-disabled", "do-shuffle-respects-preconditions"),
     ),
-    "weights are ignored": (replaced(choices, "Discrete", alike), ("do-choose-with-weights", "do-choose-with-weights-and-one-disabled")),
+    "weights are ignored": (replaced(choose_and_shuffle, "Discrete", alike), ("do-choose-with-weights", "do-choose-with-weights-and-one-disabled")),
     "preconditions are not checked": (
         replaced(guards, "guards_of", without_preconditions, invocations, scenarios),
         ("a-precondition-that-does-not-hold", "preconditions-know-arguments-and-self"),

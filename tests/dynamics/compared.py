@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import scenic_ref
 from scenic_ref.api.simulations import SimulationBackend
 from scenic_ref.data.simulation import to_line
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.store.errors import ScenicError
 from scenic_ref.simulators.loop import Failed
 
 STEPS, ATTEMPTS = 14, 60

@@ -14,7 +14,7 @@ from scenic_ref.conformance.generator.dynamic_programs import dynamic_program
 from scenic_ref.conformance.implementations.reference import load
 from scenic_ref.conformance.vector_files import load_vectors
 from scenic_ref.inference import simulation_rejection
-from scenic_ref.semantics.kernel.errors import FuelExhausted, UsageError
+from scenic_ref.semantics.store.errors import FuelExhausted, UsageError
 from scenic_ref.simulators.behaviors import generators, policy
 from scenic_ref.simulators.behaviors.generators import Courses
 from scenic_ref.simulators.behaviors.policy import CompiledPolicy

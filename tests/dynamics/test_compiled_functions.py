@@ -13,7 +13,7 @@ import pytest
 import scenic_ref
 from scenic_ref.inference import simulation_rejection
 from scenic_ref.roads.network import Lane
-from scenic_ref.semantics.kernel.allowed import may_ask
+from scenic_ref.semantics.machine.sandbox_table import may_ask
 from scenic_ref.simulators.behaviors import compiled_library, host_calls, translate_statements
 from scenic_ref.simulators.behaviors.operations import Calls, Equations
 from scenic_ref.simulators.behaviors.policy import CompiledPolicy

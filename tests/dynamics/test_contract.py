@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import SimulatorError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import SimulatorError
 from scenic_ref.simulators import EndRun, RejectRun, by_name
 from scenic_ref.simulators.actions import SetSpeedAction, SetThrottleAction
 from scenic_ref.simulators.kinematic import Kinematic

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import pytest
 import scenic_ref
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.simulators.loop import Simulated, simulate_once
 from scenic_ref.simulators.still import Still
 

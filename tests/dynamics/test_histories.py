@@ -15,7 +15,7 @@ from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorical, evidence
 from scenic_ref.inference.enumeration import enumerate_simulations
 from scenic_ref.inference.simulation_rejection import sample_simulation
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, RunsExhausted, UsageError
 from scenic_ref.simulators.loop import Simulated
 from scenic_ref.simulators.still import Still
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RandomBranch, RunError
+from scenic_ref.semantics.store.errors import RandomBranch, RunError
 
 from .worlds import LIMIT, actions
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.semantics.kernel.errors import CheckError, FuelExhausted, RunError, UncaughtException
+from scenic_ref.semantics.store.errors import CheckError, FuelExhausted, RunError, UncaughtException
 from scenic_ref.simulators.loop import Failed
 
 from .worlds import LIMIT, actions, behavior, simulated

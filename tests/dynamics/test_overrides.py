@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.semantics.kernel.errors import ProgramError, RunError, SpecifiedTwice
+from scenic_ref.semantics.store.errors import ProgramError, RunError, SpecifiedTwice
 from scenic_ref.simulators.loop import Simulated
 
 from .worlds import actions, simulated

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.semantics.dynamics import policy
-from scenic_ref.semantics.kernel import budget
-from scenic_ref.semantics.kernel.errors import RunError, UncaughtException
+from scenic_ref.semantics.store import budget
+from scenic_ref.semantics.store.errors import RunError, UncaughtException
 from scenic_ref.simulators.loop import Failed, Simulated
 
 from .worlds import LIMIT, actions, behavior, simulated

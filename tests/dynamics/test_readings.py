@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.semantics.kernel.errors import ParseError, RunError
 from scenic_ref.semantics.readings import READINGS
+from scenic_ref.semantics.store.errors import ParseError, RunError
 from scenic_ref.simulators.loop import Simulated
 
 from .worlds import LIMIT, actions, simulated

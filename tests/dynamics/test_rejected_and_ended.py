@@ -9,8 +9,8 @@ import pytest
 import scenic_ref
 from scenic_ref.data.simulation import Moment, to_line
 from scenic_ref.interpreter.runtime.random_streams import simulator_seed
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted, SimulatorError, UsageError
 from scenic_ref.simulators import EndRun, RejectRun
 from scenic_ref.simulators.loop import ENDED, LIMIT, TERMINATED
 from scenic_ref.simulators.still import Still

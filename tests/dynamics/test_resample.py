@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.simulators.loop import Simulated
 
 from .worlds import behavior, simulated

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import scenic_ref
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.semantics.kernel.outcome import Outcome
+from scenic_ref.semantics.machine.outcome import Outcome
 from scenic_ref.semantics.rules import RULES
 from scenic_ref.simulators.loop import simulate_once
 from scenic_ref.simulators.still import Still

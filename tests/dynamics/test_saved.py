@@ -13,9 +13,9 @@ from scenic_ref.data.checkpoint import resume, save
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import drive
 from scenic_ref.semantics.dynamics.policy import after_one_step, begin, policy
-from scenic_ref.semantics.kernel.config import State
-from scenic_ref.semantics.kernel.errors import UsageError
-from scenic_ref.semantics.kernel.outcome import Act, Done, Finish, Stuck
+from scenic_ref.semantics.machine.config import State
+from scenic_ref.semantics.machine.outcome import Act, Done, Finish, Stuck
+from scenic_ref.semantics.store.errors import UsageError
 
 LISTINGS = sorted((Path(__file__).parent.parent.parent / "examples" / "paper" / "dynamic").glob("*.scenic"))
 FORKING = """

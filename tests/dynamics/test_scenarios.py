@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.semantics.kernel.errors import RunError, UncaughtException, UsageError
+from scenic_ref.semantics.store.errors import RunError, UncaughtException, UsageError
 from scenic_ref.simulators.loop import Failed, Simulated
 
 from .worlds import LIMIT, actions, simulated

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RunError, SimulatorError, UncaughtException, UsageError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import RunError, SimulatorError, UncaughtException, UsageError
 from scenic_ref.simulators.kinematic import Kinematic
 from scenic_ref.simulators.loop import Failed, Simulated
 

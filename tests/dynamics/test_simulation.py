@@ -12,8 +12,8 @@ import pytest
 import scenic_ref
 from scenic_ref.data.simulation import to_json, to_line
 from scenic_ref.inference.simulation_rejection import sample_simulation
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunError, SimulatorError, UsageError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted, RunError, SimulatorError, UsageError
 from scenic_ref.simulators import actions as a
 from scenic_ref.simulators import by_name
 from scenic_ref.simulators.kinematic import Kinematic

@@ -15,8 +15,8 @@ from scenic_ref.editors.outline import Definition, outline
 from scenic_ref.editors.positions import TextLines
 from scenic_ref.editors.tokens import lines, pieces
 from scenic_ref.interpreter.language.keywords import keywords
-from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, SPELLINGS
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.store.built_in_classes import OBJECT_CLASS, SPELLINGS
 from scenic_ref.simulators.worlds import WORLDS
 
 ODD = 'a\t"😋"\r\né\u0301\u2028b\rc\n\nend'

@@ -74,7 +74,7 @@ FAULTS = (
                 "    from .termination import apply_termination_rules\n\n    return apply_termination_rules(stack, state)\n",
             ),
             Edit(
-                "semantics/dynamics/initial.py", "    return apply_termination_rules(stack, in_order(state))\n",
+                "semantics/dynamics/initial_scenario.py", "    return apply_termination_rules(stack, in_order(state))\n",
                 "    from ..kernel.config import PASS, Config\n    from ..kernel.outcome import Next\n    from ..scenes.termination import Late\n\n"
                 '    return Next("T-Mutate", Config(PASS, (Late(0, 0), stack), state))\n',
             ),
@@ -90,7 +90,7 @@ FAULTS = (
         "resample draws the parameters again",
         (
             Edit(
-                "semantics/kernel/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
+                "semantics/machine/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
                 '    asked = ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n'
                 "    origin = Origin(node.span, constructor.name, Again(constructor, arguments, distribution))\n"
                 "    after = state._replace(draws=state.draws + 1)\n"
@@ -121,7 +121,7 @@ FAULTS = (
         "uniform in the bounding box instead of the polygon",
         (
             Edit(
-                "semantics/space/regions/sampling.py",
+                "semantics/space/regions/point_sampling.py",
                 "        return self.point(pick(",
                 "        if isinstance(self, TriangleSampler):\n"
                 "            low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
@@ -195,11 +195,11 @@ FAULTS = (
         "weights of Discrete normalised wrongly",
         (
             Edit(
-                "semantics/space/distributions/finite.py", "        return [float(part / sums[-1]) for part in sums]\n",
+                "semantics/space/distributions/families.py", "        return [float(part / sums[-1]) for part in sums]\n",
                 "        return [*(min(1.0, float(part / len(sums))) for part in sums[:-1]), 1.0]\n",
             ),
             Edit(
-                "semantics/space/distributions/finite.py", "        total = sum(weights)\n",
+                "semantics/space/distributions/families.py", "        total = sum(weights)\n",
                 "        weights = [min(Fraction(1), weight / len(weights)) for weight in weights[:-1]]\n"
                 "        weights.append(max(Fraction(0), 1 - sum(weights)))\n"
                 "        total = sum(weights)\n",

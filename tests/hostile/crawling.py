@@ -12,17 +12,17 @@ from collections.abc import Iterable, Iterator
 import scenic_ref
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
-from scenic_ref.semantics.kernel import allowed
-from scenic_ref.semantics.kernel.config import Config, State, Value
-from scenic_ref.semantics.kernel.errors import ScenicError
-from scenic_ref.semantics.kernel.host import DoorStuck, HostException
-from scenic_ref.semantics.kernel.outcome import Draw, Fault, Next, Observe
-from scenic_ref.semantics.kernel.scopes import Scope
-from scenic_ref.semantics.kernel.sets import FrozenSet, Set
-from scenic_ref.semantics.kernel.values import Bound, Function, Method, Native, Random, plain
+from scenic_ref.semantics.machine import sandbox_table
+from scenic_ref.semantics.machine.config import Config, State, Value
+from scenic_ref.semantics.machine.host_calls import DoorStuck, HostException
+from scenic_ref.semantics.machine.outcome import Draw, Fault, Next, Observe
+from scenic_ref.semantics.machine.values import Bound, Function, Method, Native, Random, plain
 from scenic_ref.semantics.python import calls
 from scenic_ref.semantics.python.expressions import elements, get_attribute, get_item
 from scenic_ref.semantics.step import step
+from scenic_ref.semantics.store.errors import ScenicError
+from scenic_ref.semantics.store.scopes import Scope
+from scenic_ref.semantics.store.sets import FrozenSet, Set
 from scenic_ref.semantics.syntax import python_expressions as p
 
 LEVELS = 3
@@ -183,8 +183,8 @@ def inside(value: object, seen: set[int]) -> Iterator[object]:
         parts += list(value)
     if isinstance(value, BaseException):
         parts += value.args
-    if allowed.is_user_made(value) and not isinstance(value, type):
-        parts += [v for name, v in getattr(value, "__dict__", {}).items() if not allowed.is_hidden(name)]
+    if sandbox_table.is_user_made(value) and not isinstance(value, type):
+        parts += [v for name, v in getattr(value, "__dict__", {}).items() if not sandbox_table.is_hidden(name)]
     for part in parts:
         yield from inside(part, seen)
 
@@ -202,7 +202,7 @@ class Crawl:
         self.strangers: list[str] = []
         self.spied: list[object] = bindings["seen"]  # type: ignore[assignment]
         self.arguments = [(v,) for v in bindings["ONE"]] + [*bindings["TWO"], *bindings["MORE"]]  # type: ignore[attr-defined, misc]
-        self.names = sorted({name for names in allowed.ATTRIBUTES.values() for name in names} | DUNDERS | INNARDS)
+        self.names = sorted({name for names in sandbox_table.ATTRIBUTES.values() for name in names} | DUNDERS | INNARDS)
 
     def all(self) -> None:
         """Go through everything, level by level."""
@@ -234,7 +234,7 @@ class Crawl:
             self.types.add(type(part))
             if isinstance(part, type):
                 self.classes.add(part)
-            if not allowed.is_value(part):
+            if not sandbox_table.is_value(part):
                 self.strangers.append(f"{way}: {type(part).__module__}.{type(part).__qualname__} {part!r:.80}")
 
     def around(self, way: str, value: object) -> Iterator[tuple[str, object]]:
@@ -297,7 +297,7 @@ class Crawl:
 DUNDERS = frozenset(
     name for c in (object, type, int, str, list, dict, set, property, BaseException, type(lambda: 0), type(len), type("".join), super, Counter) for name in dir(c)
 )  # fmt: skip
-INNARDS = allowed.names(
+INNARDS = sandbox_table.names(
     "gi_frame gi_code cr_frame tb_frame f_globals f_back func args keywords fget fset mro __mro__ _fields _asdict _make _replace _member_map_ _value_ _name_ "
     "_value2member_map_ _missing_ obj name path sampler cumulative shape ctypes tofile polygon exterior tolist base data scope body door budget left settings "
     "function subject members value origin class_ definition bindings parent lineage methods superclass order renewed items __wrapped__ cache_info getstate seed "

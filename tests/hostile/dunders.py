@@ -1,7 +1,7 @@
 """Programs of hostile classes and extreme arguments: none may end its process, read memory, or end in an error of ours.
 
 Each program has classes whose special methods lie, raise, and change what is just being looked at, and puts their instances through the
-functions, methods and operators of the table (`semantics/kernel/allowed.py`). Programs run in processes that may die:
+functions, methods and operators of the table (`semantics/machine/sandbox_table.py`). Programs run in processes that may die:
 
 `python tests/hostile/dunders.py 100000 [SEED [PROCESSES]]` runs that many; `python tests/hostile/dunders.py 1 SEED:K` shows program K and runs it.
 Holes in Python's own C code show best in a build with assertions (Debian: python3.11-dbg, with the environment's packages on PYTHONPATH).
@@ -26,8 +26,9 @@ from typing import NamedTuple
 
 from scenic_ref.api.scenario import Scenario
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel import allowed, budget, errors
+from scenic_ref.semantics.machine import sandbox_table
 from scenic_ref.semantics.python.builtins import EXCEPTION_NAMES
+from scenic_ref.semantics.store import budget, errors
 from scenic_ref.semantics.syntax import Program
 
 try:
@@ -69,14 +70,14 @@ TAKEN = {
     ),
 }  # fmt: skip
 CALLED = (
-    *sorted(allowed.BUILTINS), "set", "frozenset", "sum", "iter", "next", "pow", "round", "repr", "ascii", "format", "hash", "map", "filter", "zip", "enumerate", "reversed",
+    *sorted(sandbox_table.BUILTINS), "set", "frozenset", "sum", "iter", "next", "pow", "round", "repr", "ascii", "format", "hash", "map", "filter", "zip", "enumerate", "reversed",
     "isinstance", "issubclass", "type", "getattr", "hasattr", "setattr", "callable", "print", "Uniform", "Discrete", "Options", "Range", "Normal", "DiscreteRange", "str.maketrans", "dict.fromkeys",
     "str.join", "str.format", "list.sort", "list.index", "dict.update", "dict.get", "tuple.index", "int", "float", "PolygonalRegion", "PolylineRegion", "PointSetRegion", "CircularRegion",
     "RectangularRegion", "VectorField", "Vector", *(f"{module}.{name}" for module, names in TAKEN.items() for name in names.split()),
 )  # fmt: skip
 VALUES = ("L", "D", "S", "O", "Q", "C", "F", "W[0]", "I[0]", "I[1]", "A[0]", "A[1]", "A[2]", "A[3]", "E[0]", "H0()", "H1()", "H2()", "'abc'", "'{0} %s'", "b'abc'", "7", "2.5", "(1, 2)", "T", "Colour.RED", "Colour",
           "P(1, 2)", "range(9)", "slice(1, 2)", "D.items()", "D.keys()", "D.values()", "O.items()", "frozenset(T)", "V", "everywhere", "CircularRegion((0, 0), 1)")  # fmt: skip
-METHODS = sorted({name for known in allowed.ATTRIBUTES.values() for name in known} | {"__init__", "__name__"})
+METHODS = sorted({name for known in sandbox_table.ATTRIBUTES.values() for name in known} | {"__init__", "__name__"})
 BEFORE = """import math, itertools, functools, collections, enum
 N = [0]
 L = []
@@ -138,7 +139,7 @@ ITERATORS = (
 def hostile_class(source: random.Random, name: str) -> str:
     """A class some of whose methods do something bad at one of their calls, and then lie."""
     lines = [f"class {name}({source.choice(BASES)}):"]
-    every = sorted(allowed.OVERRIDES - {"__doc__", "__init__"})
+    every = sorted(sandbox_table.OVERRIDES - {"__doc__", "__init__"})
     methods = source.sample(every, source.randrange(2, 14)) + source.sample(("__eq__", "__hash__", "__lt__", "__str__", "__repr__", "__iter__", "__next__"), 3)
     if source.random() < 0.2:
         methods += source.sample(ORDINARY, 2)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import scenic_ref
 from scenic_ref.conformance import load_vectors
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 ROOT = Path(__file__).parent.parent.parent
 WORDS = ["ego", "Object", "Point", "OrientedPoint", "Car", "at", "on", "in", "of", "by", "from", "to", "for", "with", "facing", "toward", "visible", "left", "right", "front", "back", "ahead", "behind", "beyond", "following", "follow", "deg", "relative", "offset", "along", "can", "see", "require", "mutate", "param", "model", "import", "def", "return", "if", "else", "elif", "while", "class", "self", "lambda", "not", "and", "or", "is", "None", "True", "1", "0", "-1", "2.5", "1e308", "1e-320", "float('nan')", "float('inf')", "'x'", "[]", "()", "{}", "(1,2)", "(0,0)", "[1,2]", "Range(0,1)", "Range(1,0)", "Uniform(1,2)", "Uniform()", "Normal(0,1)", "Normal(0,-1)", "TruncatedNormal(0,1,9,10)", "Discrete({1:2})", "Discrete({})", "resample", "everywhere", "nowhere", "CircularRegion((0,0),3)", "x", "y", "f(x)", "=", "==", "<", ">", "+", "-", "*", "/", "//", "%", "**", "@", ",", ":", ".", "(", ")", "[", "]", "{", "}", ";", "#", "...", "*", "**", "take", "wait", "do", "terminate", "try", "except", "finally", "raise", "assert", "del", "global", "nonlocal", "pass", "break", "continue", "for", "x", "in", "range(3)"]

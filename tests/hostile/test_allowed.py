@@ -12,20 +12,21 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import allowed, errors, host
+from scenic_ref.semantics.machine import host_calls, sandbox_table
 from scenic_ref.semantics.python import expressions
+from scenic_ref.semantics.store import errors
 
 sys.path.insert(0, str(Path(__file__).parent))
 crawling = importlib.import_module("crawling")
 sys.path.pop(0)
 
-OF_PYTHON = allowed.names(
+OF_PYTHON = sandbox_table.names(
     "NoneType NotImplementedType bool builtin_function_or_method bytes classmethod complex dict dict_items dict_keys dict_values float int list method "
     "method_descriptor object property range slice staticmethod str tuple type Counter OrderedDict defaultdict deque EnumType auto KeyWrapper"
 )
 """The types of Python, beside exceptions, of which a program may meet values. A name that is added here is one that somebody has thought about."""
 OURS = ("scenic_ref.semantics.", "scenic_ref.simulators.", "scenic_ref.interpreter.language.modules")
-HELD = allowed.names("list dict tuple str int float bool bytes complex object property range slice staticmethod classmethod Counter OrderedDict defaultdict deque") | {
+HELD = sandbox_table.names("list dict tuple str int float bool bytes complex object property range slice staticmethod classmethod Counter OrderedDict defaultdict deque") | {
     "Enum", "IntEnum", "Flag", "auto",
 }  # fmt: skip
 """The classes of Python, beside exceptions, that a program may hold."""
@@ -52,7 +53,7 @@ def test_nothing_is_reached_that_is_not_in_the_table():
 
 def test_the_crawler_finds_what_an_open_border_lets_through(monkeypatch):
     monkeypatch.setattr(expressions, "may_ask", lambda value, name: True)
-    monkeypatch.setattr(host, "check_value", lambda result, state: None)
+    monkeypatch.setattr(host_calls, "check_value", lambda result, state: None)
     crawl = crawling.Crawl(crawling.started())
     for way, value in [r for r in crawl.roots() if r[0] in ("CircularRegion", "spy", "Plain", "math") or r[0].startswith("values[")][:60]:
         list(crawl.around(way, value))
@@ -138,7 +139,7 @@ def test_no_way_of_access_gives_what_is_private(way):
             refused += 1
             continue
         for value in given:
-            assert all(map(allowed.is_value, crawling.inside(value, set()))), (way, name, subject)
+            assert all(map(sandbox_table.is_value, crawling.inside(value, set()))), (way, name, subject)
             if way in ("f-string", "format", "format_map", "str.format", "partial", "map"):
                 assert not ("0x" in str(value) or "<class" in str(value) or "<slot" in str(value)), (way, name, subject, value)
     assert refused > (0 if way in ("with default", "hasattr", "subclass") else len(pairs) * 0.6)
@@ -249,7 +250,7 @@ def test_no_chain_of_values_ends_the_process(tmp_path):
     for name, text in CHAINS.items():
         (tmp_path / f"{name}.scenic").write_text(f"ego = Object at (0, 0)\nN = 200000\n{text}\nx = 1\n")
     code = (
-        "import sys, scenic_ref\nfrom scenic_ref.semantics.kernel.errors import ProgramError\n"
+        "import sys, scenic_ref\nfrom scenic_ref.semantics.store.errors import ProgramError\n"
         "for file in sys.argv[1:]:\n    print(file, flush=True)\n    try: scenic_ref.load(file).sample()\n    except ProgramError: pass\n"
     )
     files = sorted(map(str, tmp_path.glob("*.scenic")))

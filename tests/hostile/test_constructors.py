@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 WRONG = [
     "3", "'x'", "None", "[]", "(1,)", "(1, 2)", "[(0, 0)]", "{}", "ego", "everywhere", "CircularRegion((0, 0), 3)", "lambda v: 'a'", "True", "-1", "1e400",

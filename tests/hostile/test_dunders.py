@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import allowed, errors
-from scenic_ref.semantics.python import texts
+from scenic_ref.semantics.machine import sandbox_table
+from scenic_ref.semantics.python import string_methods
+from scenic_ref.semantics.store import errors
 
 sys.path.insert(0, str(Path(__file__).parent))
 dunders = importlib.import_module("dunders")
@@ -20,7 +21,7 @@ sys.path.pop(0)
 
 RUNNING = """
 import sys, scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 text = sys.stdin.read()
 try:
     print("scene", scenic_ref.loads(text, fuel=200_000).sample(0, max_attempts=2).to_line())
@@ -148,10 +149,10 @@ def test_whether_digits_are_too_many_is_known_without_asking_what_an_exception_i
         def __str__(self) -> str:
             raise AssertionError
 
-    assert not texts.too_many_digits(ValueError(Hostile())) and not texts.too_many_digits(ValueError())
+    assert not string_methods.too_many_digits(ValueError(Hostile())) and not string_methods.too_many_digits(ValueError())
     with pytest.raises(ValueError) as caught:
         str(10**5000)
-    assert texts.too_many_digits(caught.value)
+    assert string_methods.too_many_digits(caught.value)
 
 
 @pytest.mark.parametrize("number", ["n5:8", "n11:338"])
@@ -179,14 +180,14 @@ for make in [lambda: itertools.islice(E(), 3), lambda: iter(E()), lambda: iterto
 
 
 def test_every_type_of_the_table_says_why_it_is_safe():
-    asked = {t for t in allowed.ATTRIBUTES if t.__module__ in ("builtins", "types", "enum", "collections") or t.__module__.endswith(".containers")}
-    assert asked <= allowed.SAFE.keys()
-    assert allowed.SAFE.keys() <= allowed.ATTRIBUTES.keys()
+    asked = {t for t in sandbox_table.ATTRIBUTES if t.__module__ in ("builtins", "types", "enum", "collections") or t.__module__.endswith(".containers")}
+    assert asked <= sandbox_table.SAFE.keys()
+    assert sandbox_table.SAFE.keys() <= sandbox_table.ATTRIBUTES.keys()
 
 
 def test_every_function_of_the_table_says_why_it_is_safe():
-    assert {getattr(builtins, name) for name in allowed.BUILTINS} <= allowed.FUNCTIONS
-    assert all(allowed.SAFE_FUNCTIONS.values())
+    assert {getattr(builtins, name) for name in sandbox_table.BUILTINS} <= sandbox_table.FUNCTIONS
+    assert all(sandbox_table.SAFE_FUNCTIONS.values())
 
 
 def test_hostile_programs_end_in_no_defect():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 sys.path.insert(0, str(Path(__file__).parent))
 fuzz = importlib.import_module("fuzz")

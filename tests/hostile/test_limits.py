@@ -8,7 +8,7 @@ import sys
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 LONGEST = 250
 """No program takes more than so many times the processor time of a fixed calculation of about a tenth of a second."""
@@ -77,7 +77,7 @@ INTERRUPTING = """
 import os, threading, time
 from scenic_ref.cli import main
 from scenic_ref.interpreter.runtime.process_sandbox import WALL
-from scenic_ref.semantics.kernel import budget
+from scenic_ref.semantics.store import budget
 budget.LARGEST_WORK = 10 ** 18
 def interrupt():
     while not WALL.timing.startswith("one run"): pass

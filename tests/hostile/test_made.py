@@ -9,9 +9,10 @@ from importlib import import_module
 import pytest
 import scenic_ref
 from scenic_ref.roads.immutable import Fixed
-from scenic_ref.semantics.kernel import allowed, errors
-from scenic_ref.semantics.kernel.containers import Counter, OrderedDict, deque
+from scenic_ref.semantics.machine import sandbox_table
 from scenic_ref.semantics.python.builtins import BUILTINS
+from scenic_ref.semantics.store import errors
+from scenic_ref.semantics.store.containers import Counter, OrderedDict, deque
 
 SQUARE = "r = PolygonalRegion([(0, 0), (1, 0), (1, 1), (0, 1)])\nc = CircularRegion((0, 0), 1)\nego = new Object\ndef f(*a): return a[0]\nxs = [1]\n"
 METHOD = "type(everywhere.intersect)"
@@ -34,8 +35,8 @@ def test_every_class_that_type_may_give_is_one_that_a_program_has_by_name_or_can
     for module in ("roads.network_builder", "simulators.actions", "interpreter.language.modules"):
         import_module(f"scenic_ref.{module}")
     named = {v for v in BUILTINS.values() if isinstance(v, type)} | {Counter, OrderedDict, deque}
-    found = {c for c in gc.get_objects() if issubclass(type(c), type) and str(c.__module__).startswith("scenic_ref.") and allowed.is_known(c)}
-    others = {c for c in found - named if allowed.may_make(c) and not allowed.is_user_class(c) and not issubclass(c, (Fixed, Enum, Exception))}
+    found = {c for c in gc.get_objects() if issubclass(type(c), type) and str(c.__module__).startswith("scenic_ref.") and sandbox_table.is_known(c)}
+    others = {c for c in found - named if sandbox_table.may_make(c) and not sandbox_table.is_user_class(c) and not issubclass(c, (Fixed, Enum, Exception))}
     strangers = {c.__name__ for c in others if not c.__module__.startswith("scenic_ref.simulators.")}
     assert strangers <= {"Seeded"}  # random.Random
     assert len(found) > 30

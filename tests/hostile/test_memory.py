@@ -15,9 +15,9 @@ from scenic_ref.errors import ProgramError
 from scenic_ref.interpreter.runtime.limits import Limits
 from scenic_ref.interpreter.runtime.process_sandbox import WALL, timed
 from scenic_ref.roads.geodata import read_site
-from scenic_ref.semantics.kernel.memory import is_out_of_memory
-from scenic_ref.semantics.kernel.values import Native
+from scenic_ref.semantics.machine.values import Native
 from scenic_ref.semantics.python import builtins
+from scenic_ref.semantics.store.memory_errors import is_out_of_memory
 
 OF_GEOS = shapely.errors.GEOSException("std::bad_alloc")
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only there the address space is limited like this")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 VALUES = {
     "a list in itself": "a = [1]\na.append(a)\n",

@@ -13,7 +13,7 @@ from rich.console import Console
 from scenic_ref.cli import answer, scene_outputs
 from scenic_ref.cli.error_messages import render
 from scenic_ref.cli.session import escaped
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.semantics.syntax.nodes import Span
 
 ESC = "\x1b]0;owned\x07\x1b[2J"

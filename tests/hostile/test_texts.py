@@ -8,7 +8,7 @@ import pytest
 import scenic_ref
 from scenic_ref.cli import answer
 from scenic_ref.inference.batch import Batch
-from scenic_ref.semantics.kernel.errors import RunError, ScenicError, UncaughtException
+from scenic_ref.semantics.store.errors import RunError, ScenicError, UncaughtException
 
 HALF = "ego = Object at (Range(0, 1), 0)\nparam x = 'a\\ud800\u00e9', y = {'\\udfff': 1}\n"
 

@@ -27,7 +27,7 @@ from scenic_ref.inference.moves.states import States
 from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.rejection import acceptance
 from scenic_ref.inference.result import LEVEL, Probability
-from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
+from scenic_ref.semantics.store.errors import ScenicError, UsageError
 from scipy import stats
 
 GALLERY = [p for p in sorted((Path(__file__).parents[2] / "examples" / "gallery").glob("*.scenic")) if p.stem != "mars_bottleneck"]

@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.comparison import Categorical, contradicts
 from scenic_ref.inference.enumeration import radical_inverse
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 F = Fraction
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.inference.moves.states import States
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 if TYPE_CHECKING:
     from scenic_ref.inference.batch.torch_margins import Margins

@@ -11,7 +11,7 @@ import scenic_ref
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference.comparison.exact_laws import Categorical, Continuous, contradicts
 from scenic_ref.inference.enumeration import content_of_scene
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 pytestmark = pytest.mark.extra("pyro")
 LARGER = "x, y = Range(0, 1), Range(0, 1)\nego = Object at x @ y\nrequire x > y\n"

@@ -18,7 +18,7 @@ from scenic_ref.inference.moves import states
 from scenic_ref.inference.moves.proposals import Moves
 from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.result import Inferred, Probability
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
 
 BACKENDS = ("importance", "smc", "mcmc")
 FINITE = ProgramSettings().as_finite()

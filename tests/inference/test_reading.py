@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from scenic_ref.inference.comparison import sample_files
 from scenic_ref.inference.comparison.sample_files import scenes_in
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 BOM = b"\xef\xbb\xbf"
 ODD = [

@@ -19,9 +19,9 @@ from scenic_ref.inference.moves.proposals import EXCHANGE, REDRAW, STEP, Moves, 
 from scenic_ref.inference.moves.states import States
 from scenic_ref.inference.moves.target import Target
 from scenic_ref.inference.smc import moves_of
-from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
 from scenic_ref.semantics.space.regions import PolygonalRegion
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import ScenicError, UsageError
 
 FINITE = ProgramSettings().as_finite()
 CARS = """

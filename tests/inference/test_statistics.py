@@ -22,9 +22,9 @@ from scenic_ref.inference.comparison.comparison import Hardest, detectable, need
 from scenic_ref.inference.comparison.known_features import Facts
 from scenic_ref.inference.comparison.relations import gap, table_of
 from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, unit_of
-from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.space.regions.approximation import box_shape
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import UsageError
 
 UNIFORM = Continuous("uniform", lambda x: min(max(x, 0.0), 1.0))
 

@@ -17,8 +17,14 @@ from scenic_ref.inference.batch import Batch, Block
 from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
 from scenic_ref.inference.batch.primitives.random_numbers import Numbers
-from scenic_ref.semantics.kernel.errors import ScenicError, UsageError
-from scenic_ref.semantics.space.numeric import arc_tangent, exponential, exponential_less_one, logarithm, logarithm_of_one_more
+from scenic_ref.semantics.space.numeric_functions import (
+    arc_tangent,
+    exponential,
+    exponential_less_one,
+    logarithm,
+    logarithm_of_one_more,
+)
+from scenic_ref.semantics.store.errors import ScenicError, UsageError
 from scipy import special
 
 pytestmark = pytest.mark.extra("torch")

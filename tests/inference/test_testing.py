@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 from scenic_ref.testing import assert_same_distribution, same_distribution
 
 PROGRAM = "ego = Object at (Range(0, 1), 0)\n"

@@ -15,9 +15,9 @@ from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Beginnings, run
-from scenic_ref.semantics.kernel import budget
-from scenic_ref.semantics.kernel.config import Config
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.machine.config import Config
+from scenic_ref.semantics.store import budget
+from scenic_ref.semantics.store.errors import ScenicError
 from scenic_ref.simulators import by_name
 from scenic_ref.simulators.loop import Simulated, simulate_once
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from scenic_ref.interpreter.language.checks import check
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import CheckError
+from scenic_ref.semantics.store.errors import CheckError
 
 FAULTY: dict[str, tuple[int, int, str]] = {
     "take a": (1, 1, "`take` cannot stand at the top level"),

@@ -12,7 +12,7 @@ from scenic_ref.conformance.judge import judge
 from scenic_ref.interpreter.language.conversion import convert
 from scenic_ref.interpreter.language.modules import library_of
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import ParseError
+from scenic_ref.semantics.store.errors import ParseError
 from scenic_ref.simulators.worlds import WORLDS
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 from scenic_ref.api import Scenario, loads
 from scenic_ref.api.diagnostics import warnings_about
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.store.errors import ScenicError
 from scenic_ref.semantics.syntax import Span
 
 PROGRAMS = tomllib.loads(Path(__file__).with_name("first_hour.toml").read_text(encoding="utf-8"))["program"]

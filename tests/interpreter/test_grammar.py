@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import ParseError
+from scenic_ref.semantics.store.errors import ParseError
 from scenic_ref.semantics.syntax import Expression, Statement
 from scenic_ref.semantics.syntax import dynamics as d
 from scenic_ref.semantics.syntax import expressions as e

@@ -7,7 +7,7 @@ from scenic_ref.interpreter.language.checks import check
 from scenic_ref.interpreter.language.conversion import Comments
 from scenic_ref.interpreter.language.logical_lines import join_text
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import ParseError
+from scenic_ref.semantics.store.errors import ParseError
 from scenic_ref.semantics.syntax import dynamics as d
 from scenic_ref.semantics.syntax import expressions as e
 from scenic_ref.semantics.syntax import python_expressions as p

@@ -7,8 +7,14 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.api import loads
-from scenic_ref.semantics.kernel.errors import ImportRefused, ProgramError, RunError, ScenicError, UncaughtException
 from scenic_ref.semantics.python.imports import beside, package_of, path_of
+from scenic_ref.semantics.store.errors import (
+    ImportRefused,
+    ProgramError,
+    RunError,
+    ScenicError,
+    UncaughtException,
+)
 
 
 def params(folder: Path, files: dict[str, str], program: str, **options: object) -> dict[str, object]:

@@ -13,8 +13,8 @@ from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import drive
 from scenic_ref.semantics.dynamics.policy import begin
-from scenic_ref.semantics.kernel.errors import ParseError
-from scenic_ref.semantics.kernel.outcome import Done
+from scenic_ref.semantics.machine.outcome import Done
+from scenic_ref.semantics.store.errors import ParseError
 
 NESTED = {
     "a sum": lambda n: "x = " + " + ".join(["1"] * n),

@@ -6,7 +6,7 @@ import pytest
 import scenic_ref
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.printer import to_source
-from scenic_ref.semantics.kernel.scopes import descendants
+from scenic_ref.semantics.store.scopes import descendants
 from scenic_ref.semantics.syntax import expressions as e
 from scenic_ref.semantics.syntax import python_expressions as p
 

@@ -9,7 +9,7 @@ from scenic_ref.api import loads
 from scenic_ref.interpreter.language.node_builders import NOT_RECORDED
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.tree_builder import BY_DIALECT
-from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
+from scenic_ref.semantics.store.errors import ParseError, ProgramError, UsageError
 
 # text: (line, column, message, hint)
 MISTAKES: dict[str, tuple[int, int, str, str]] = {

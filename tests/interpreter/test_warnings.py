@@ -12,7 +12,7 @@ from scenic_ref.api.diagnostics import warnings_about
 from scenic_ref.api.loading import scenario_of
 from scenic_ref.conformance import load_vectors
 from scenic_ref.interpreter.language.lint import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.store.errors import ScenicError
 
 ONE = "Uniform draws one of its arguments, and this is one: always the whole list"
 EXAMPLES = Path(__file__).parents[2] / "examples"

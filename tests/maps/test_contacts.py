@@ -18,7 +18,7 @@ from scenic_ref.interpreter.runtime.cache_folders import cache_place
 from scenic_ref.roads import read_map
 from scenic_ref.roads.map_generator import made
 from scenic_ref.roads.network import Lane, LaneSection, Network
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 from .test_network_in_release import MAPS
 

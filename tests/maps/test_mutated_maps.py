@@ -26,7 +26,7 @@ from scenic_ref.roads.geodata import read_site, site_from
 from scenic_ref.roads.map_generator import made
 from scenic_ref.roads.network_builder import network_of
 from scenic_ref.roads.xml_elements import MapError
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 MOST = 2000
 """Mutated inputs of each parser that CI reads."""

@@ -202,7 +202,7 @@ def test_results_are_kept_and_those_about_another_tree_are_not_taken_over(change
 
 SUITE = """
 from tests.mutants import changes, processes, suite, vectors
-[mutant] = [m for m in changes.mutants("semantics/space/regions/intervals.py") if m.function == "complement" and "low <= high" in m.after]
+[mutant] = [m for m in changes.mutants("semantics/space/regions/parameter_intervals.py") if m.function == "complement" and "low <= high" in m.after]
 trials = [vectors.Trial(mutant, tuple({names}), (60.0, 60.0)), vectors.Trial(mutant, (), ())]
 for _, told, status in processes.each(trials, suite.by_tests(), 1):
     print(vectors.outcome(told, status)["by"])

@@ -7,8 +7,8 @@ from collections.abc import Hashable, Mapping
 from fractions import Fraction
 
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.semantics.kernel.outcome import Requirement
+from scenic_ref.semantics.machine.outcome import Requirement
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.simulators.loop import Failed, Simulated
 
 from .invention import STEPS

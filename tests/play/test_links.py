@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scenic_ref.playground.share_links import LARGEST, MARK, Linked, is_link, link_of, linked_of
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.store.errors import UsageError
 
 
 @given(st.builds(Linked, st.text(), st.integers(-(2**53), 2**53), st.dictionaries(st.text(), st.text())))

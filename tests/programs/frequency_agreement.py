@@ -28,9 +28,9 @@ from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, run
 from scenic_ref.interpreter.runtime.random_streams import Stream, fold, mix
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.space.distributions import Uniform
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 Rival = Literal["", "first value twice as likely", "coins once per scene"]
 """Wrong samplers that the test must reject; "" is the real one."""

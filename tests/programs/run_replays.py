@@ -10,7 +10,7 @@ from scenic_ref.api import Scenario
 from scenic_ref.data.scene import Scene, scene_of
 from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
 from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, run
-from scenic_ref.semantics.kernel.outcome import Draw, Outcome
+from scenic_ref.semantics.machine.outcome import Draw, Outcome
 
 Address = tuple[int, ...]
 

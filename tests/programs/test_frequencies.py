@@ -13,7 +13,7 @@ from hypothesis import given
 from scenic_ref.api import loads
 from scenic_ref.conformance.generator import ProgramSettings
 from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import COUNT, quick

@@ -21,7 +21,7 @@ from scenic_ref.conformance.generator import (
     random_programs,
 )
 from scenic_ref.conformance.generator.hypothesis_strategies import programs
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, UsageError
 from scenic_ref.semantics.syntax import Node, Program, expressions, python_expressions, specifiers, statements
 
 from .specifier_permutations import nodes

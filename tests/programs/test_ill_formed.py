@@ -14,7 +14,7 @@ from scenic_ref.conformance.generator.hypothesis_strategies import ill_formed_pr
 from scenic_ref.conformance.generator.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, IllFormed, Mistake, planted, right
 from scenic_ref.interpreter.language import checks
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, ResolutionError
+from scenic_ref.semantics.store.errors import CheckError, ParseError, ProgramError, ResolutionError
 
 from .cases import quick
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import scenic_ref
 from scenic_ref.inference.simulation_rejection import sample_simulation
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.simulators.kinematic import Kinematic
 from scenic_ref.simulators.still import Still
 

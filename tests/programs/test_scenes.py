@@ -9,7 +9,7 @@ from scenic_ref.api import Scenario, loads
 from scenic_ref.conformance.generator.hypothesis_strategies import programs
 from scenic_ref.data.scene import Scene
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick

@@ -17,7 +17,7 @@ from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.conformance.generator.choice_sources import SeededChoices
 from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs
 from scenic_ref.data.scene import Scene
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick

@@ -16,9 +16,9 @@ import pytest
 import scenic_ref
 from scenic_ref.data.scene import Scene
 from scenic_ref.errors import AttemptsExhausted, ScenicError
-from scenic_ref.semantics.kernel.config import PASS, Config, Stack, State
-from scenic_ref.semantics.kernel.outcome import Observe, Outcome, Requirement
-from scenic_ref.semantics.kernel.values import Instance
+from scenic_ref.semantics.machine.config import PASS, Config, Stack, State
+from scenic_ref.semantics.machine.outcome import Observe, Outcome, Requirement
+from scenic_ref.semantics.machine.values import Instance
 from scenic_ref.semantics.rules import RULES
 from scenic_ref.semantics.scenes import statements, termination
 from scenic_ref.semantics.space.vectors import Vector

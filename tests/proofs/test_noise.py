@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 
 import pytest
-from scenic_ref.semantics.kernel.config import Captured, State
-from scenic_ref.semantics.kernel.values import Instance
+from scenic_ref.semantics.machine.config import Captured, State
+from scenic_ref.semantics.machine.values import Instance
 from scenic_ref.semantics.scenes import mutation, statements, termination
 from scenic_ref.semantics.space.distributions import Normal
 

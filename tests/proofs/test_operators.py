@@ -17,7 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from scenic_ref.semantics.scenes import operators, released, specifiers
+from scenic_ref.semantics.scenes import operators, released_forms, specifiers
 from scenic_ref.semantics.space import geometry
 from scenic_ref.semantics.space.vectors import Vector
 
@@ -171,14 +171,14 @@ OPERATORS = (
     Operator("distance_past {p} {h} {v}, 0", lambda i: operators.distance_past(i.oriented_point(), i.v)),
     Operator("apparently_facing {k} {p} {v}", lambda i: specifiers.apparently_facing(i.k.radians(), i.v, i.itself()), heading=True),
     Operator("apparent_heading {p} {h} {v}", lambda i: operators.apparent_heading(i.oriented_point(), i.v), heading=True),
-    Operator("relative_heading {h} {k}", lambda i: released.relative_heading_wrapped(i.h.radians(), i.k.radians()), heading=True),
-    Operator("apparent_heading {p} {h} {v}", lambda i: released.apparent_heading_wrapped(i.oriented_point(), i.v), heading=True),
+    Operator("relative_heading {h} {k}", lambda i: released_forms.relative_heading_wrapped(i.h.radians(), i.k.radians()), heading=True),
+    Operator("apparent_heading {p} {h} {v}", lambda i: released_forms.apparent_heading_wrapped(i.oriented_point(), i.v), heading=True),
     Operator("facing_toward {p} {v}", lambda i: specifiers.facing_toward(i.p, i.at_v()), heading=True),
     Operator("facing_away_from {v} {p}", lambda i: specifiers.facing_away_from(i.v, i.itself()), heading=True),
     Operator("plus {v} {w}", lambda i: operators.vectors_relative(i.v, i.w)),
     Operator("plus {v} {w}", lambda i: operators.vector_offset_by(i.v, i.w)),
     Operator("plus {p} {w}", lambda i: specifiers.offset_by_global(i.w, i.oriented_point())),
-    Operator("minus {v} {w}", lambda i: released.relative_position(i.v, i.w)),
+    Operator("minus {v} {w}", lambda i: released_forms.relative_position(i.v, i.w)),
     Operator("offset_along {v} {k} {w}", lambda i: operators.vector_offset_along_field(i.v, i.field(), i.w)),
     Operator("offset_along {p} {k} {w}", lambda i: specifiers.offset_along_field(i.field(), i.w, i.oriented_point())),
     Operator("offset_local {p} {h} {w}", lambda i: specifiers.offset_by_local(i.w, i.oriented_point())),

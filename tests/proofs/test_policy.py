@@ -11,7 +11,7 @@ from random import Random
 import pytest
 import scenic_ref
 from scenic_ref.semantics.dynamics import policy
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.simulators.loop import Failed
 
 from .coq import Term, evaluated, needs_coq

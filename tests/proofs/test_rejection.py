@@ -14,8 +14,8 @@ import pytest
 import scenic_ref
 from scenic_ref.inference import rejection
 from scenic_ref.inference.enumeration import Enumeration, Runner, Taken, following
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.machine.outcome import Draw
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 from .coq import evaluated, needs_coq
 

@@ -10,12 +10,12 @@ from random import Random
 from unittest.mock import patch
 
 import pytest
-from scenic_ref.semantics.kernel.errors import CyclicDependencies, ResolutionError
-from scenic_ref.semantics.kernel.scenic_classes import ScenicClass
-from scenic_ref.semantics.kernel.scopes import Scope
-from scenic_ref.semantics.kernel.versions import Versions
 from scenic_ref.semantics.scenes import resolution
 from scenic_ref.semantics.scenes.resolution import Ordered, Specification, resolve_specifiers
+from scenic_ref.semantics.store.errors import CyclicDependencies, ResolutionError
+from scenic_ref.semantics.store.scenic_classes import ScenicClass
+from scenic_ref.semantics.store.scopes import Scope
+from scenic_ref.semantics.store.undo_log import Versions
 from scenic_ref.semantics.syntax.nodes import NOWHERE, Span
 from scenic_ref.semantics.syntax.python_expressions import Constant
 

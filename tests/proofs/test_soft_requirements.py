@@ -13,10 +13,10 @@ import pytest
 import scenic_ref
 from scenic_ref.inference import rejection
 from scenic_ref.inference.enumeration import Runner, Taken, following, product
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
-from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.scenes import statements
 from scenic_ref.semantics.space.distributions import Coin
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 from .coq import evaluated, needs_coq
 

@@ -23,8 +23,8 @@ from scenic_ref.conformance.implementations.protocol import (
     Task,
     Unsupported,
 )
-from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.readings import READINGS
+from scenic_ref.semantics.store.errors import ProgramError
 
 from .core_programs import fraction
 from .extracted import answers

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import scenic_ref
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Finding, Pruning, prune
-from scenic_ref.semantics.space.symbols import NotLifted
+from scenic_ref.semantics.space.symbol_seam import NotLifted
 
 from .programs import EGO, MAP, NEAR, OTHER, SEES_ALL
 

@@ -19,9 +19,9 @@ from scenic_ref.inference.pruning.traced_points import Recorded, record
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
-from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.space.distributions import PointIn
-from scenic_ref.semantics.space.symbols import NotLifted
+from scenic_ref.semantics.space.symbol_seam import NotLifted
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.testing import same_distribution
 

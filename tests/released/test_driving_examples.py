@@ -18,7 +18,7 @@ from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA
 from scenic_ref.interpreter.language.conversion import convert
 from scenic_ref.interpreter.language.modules import library_of
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.simulators.worlds import WORLDS
 from scipy.stats import ks_2samp
 

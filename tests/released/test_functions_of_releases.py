@@ -6,7 +6,7 @@ import json
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.store.errors import ScenicError
 
 SETTING = """# dialect: scenic-3
 F = VectorField('f', lambda p: 30 deg)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.readings import READINGS
+from scenic_ref.semantics.store.errors import ProgramError
 
 PRODUCTIONS = tomllib.loads(Path(__file__).with_name("productions.toml").read_text(encoding="utf-8"))["production"]
 CASES = [(entry, dialect) for entry in PRODUCTIONS for dialect in entry["dialects"]]

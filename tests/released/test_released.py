@@ -18,8 +18,8 @@ import pytest
 from scenic_ref.api import loads
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.printer import to_source
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ParseError, ScenicError
 
 HERE = Path(__file__).parent
 DIALECTS = ("scenic-2.1", "scenic-3")

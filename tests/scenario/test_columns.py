@@ -34,7 +34,7 @@ from scenic_ref.data.typed_columns import (
     vector,
 )
 from scenic_ref.inference.batch.jobs.block_tables import Tables
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, UsageError
 
 data = pytest.mark.extra("data")
 PROGRAM = """

@@ -8,9 +8,9 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
-from scenic_ref.semantics.kernel.outcome import KnownDraw
+from scenic_ref.semantics.machine.outcome import KnownDraw
 from scenic_ref.semantics.space.distributions import Range, Uniform
+from scenic_ref.semantics.store.errors import AttemptsExhausted, UsageError
 
 PROGRAM = """
 ego = Object at (Range(0, 1), 0)

@@ -10,8 +10,8 @@ import scenic_ref
 from scenic_ref.api.scene_expressions import NAME, expression_of, law_of, observed
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
-from scenic_ref.semantics.kernel.errors import FuelExhausted, ParseError, RunError, UsageError
-from scenic_ref.semantics.kernel.values import unwrap
+from scenic_ref.semantics.machine.values import unwrap
+from scenic_ref.semantics.store.errors import FuelExhausted, ParseError, RunError, UsageError
 
 PROGRAM = "def twice(x):\n    return 2 * x\nego = Object at (0, 0)\nother = Object at (Range(3, 5), 5)\nmutate\n"
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.api import Scenario
-from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
+from scenic_ref.semantics.store.errors import ParseError, ProgramError, UsageError
 
 TEXT = """
 param time = Range(0, 24)

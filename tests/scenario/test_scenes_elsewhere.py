@@ -12,7 +12,7 @@ import pytest
 import scenic_ref
 from scenic_ref import compat
 from scenic_ref.data.scene import Scene
-from scenic_ref.semantics.kernel.values import Instance
+from scenic_ref.semantics.machine.values import Instance
 from scenic_ref.semantics.space.vectors import Vector
 
 RICH = """

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from scenic_ref.interpreter.runtime import program_run
-from scenic_ref.semantics.kernel.config import Config
-from scenic_ref.semantics.kernel.outcome import Outcome
+from scenic_ref.semantics.machine.config import Config
+from scenic_ref.semantics.machine.outcome import Outcome
 
 Step = Callable[[Config], Outcome]
 

@@ -17,10 +17,10 @@ from scenic_ref.conformance.implementations.reference import Ourselves
 from scenic_ref.conformance.judge import fired_in, judge
 from scenic_ref.conformance.reports import UNREACHABLE
 from scenic_ref.conformance.vector import ConformanceVector
-from scenic_ref.semantics.kernel.config import Config
-from scenic_ref.semantics.kernel.outcome import Draw, Fault, Outcome
+from scenic_ref.semantics.machine.config import Config
+from scenic_ref.semantics.machine.outcome import Draw, Fault, Outcome
 from scenic_ref.semantics.rules import RULES, Rule
-from scenic_ref.semantics.scenes import released
+from scenic_ref.semantics.scenes import released_forms
 from scenic_ref.semantics.step import step
 from scenic_ref.semantics.syntax.specifiers import AtSpecifier, FacingSpecifier
 
@@ -118,9 +118,9 @@ def test_no_two_rules_have_one_function() -> None:
 
 @pytest.mark.parametrize(("rule", "node"), [("P-At", AtSpecifier), ("P-Facing-Heading", FacingSpecifier)])
 def test_a_function_that_the_machine_does_without_is_found(rule: str, node: type, monkeypatch: pytest.MonkeyPatch) -> None:
-    names, forms = released.FORMS[node]
+    names, forms = released_forms.FORMS[node]
     planted = tuple(form._replace(function=lambda value: value) if form.rule == rule else form for form in forms)
-    monkeypatch.setattr(released, "FORMS", {**released.FORMS, node: (names, planted)})
+    monkeypatch.setattr(released_forms, "FORMS", {**released_forms.FORMS, node: (names, planted)})
     vector = next(v for v in load_vectors() if rule in v.fires)
     assert watch((vector,)).unbound[rule] == {vector.name}
 
@@ -130,7 +130,7 @@ def test_a_vector_notices_a_function_that_only_raises(rule: str, node: type, mon
     def broken(value: object) -> object:
         raise AssertionError("planted")
 
-    names, forms = released.FORMS[node]
+    names, forms = released_forms.FORMS[node]
     planted = tuple(form._replace(function=broken) if form.rule == rule else form for form in forms)
-    monkeypatch.setattr(released, "FORMS", {**released.FORMS, node: (names, planted)})
+    monkeypatch.setattr(released_forms, "FORMS", {**released_forms.FORMS, node: (names, planted)})
     assert judge(Ourselves(), next(v for v in load_vectors() if rule in v.fires)).verdict.status != "passed"

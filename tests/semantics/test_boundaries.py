@@ -10,7 +10,6 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.batch import Batch
 from scenic_ref.inference.pruning.algorithms import ROUNDING
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.boundaries import METRES, RADIANS
 from scenic_ref.semantics.space.fields import PolygonalVectorField
@@ -26,6 +25,7 @@ from scenic_ref.semantics.space.regions import (
     SectorRegion,
 )
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 CASES = 200
 Case = tuple[Region, Vector, Vector]

@@ -6,17 +6,17 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import FuelExhausted, RunError, ScenicError, SpecifiedTwice, UsageError
-from scenic_ref.semantics.kernel.kinds import kind_name
+from scenic_ref.semantics.machine.operand_kinds import kind_name
 from scenic_ref.semantics.space.boundaries import METRES
 from scenic_ref.semantics.space.distributions import Coin, PointIn
 from scenic_ref.semantics.space.distributions.distribution import BadParameters
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, UnboundedRegion, everywhere, nowhere
 from scenic_ref.semantics.space.regions.approximation import as_cover, box_shape
-from scenic_ref.semantics.space.regions.intervals import complement
+from scenic_ref.semantics.space.regions.parameter_intervals import complement
+from scenic_ref.semantics.space.regions.point_sampling import TriangleSampler
 from scenic_ref.semantics.space.regions.polygons import intervals_within
-from scenic_ref.semantics.space.regions.sampling import TriangleSampler
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import FuelExhausted, RunError, ScenicError, SpecifiedTwice, UsageError
 from shapely.geometry import GeometryCollection, LineString, MultiLineString, Point, Polygon
 
 

@@ -21,7 +21,7 @@ from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import run
 from scenic_ref.interpreter.runtime.random_streams import Stream
 from scenic_ref.interpreter.runtime.trace import log_density_of
-from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.space.distributions import (
     BadParameters,
     Coin,

@@ -6,7 +6,7 @@ import pickle
 from fractions import Fraction
 
 import pytest
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 from scenic_ref.semantics.syntax import Span
 
 HERE = Span("p.scenic", 1, 2, 3, 4)

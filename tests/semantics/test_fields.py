@@ -6,10 +6,10 @@ import pytest
 import scenic_ref
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.semantics.kernel.errors import RunError, ScenicError
 from scenic_ref.semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from scenic_ref.semantics.space.regions import CircularRegion
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import RunError, ScenicError
 from shapely.geometry import Point, Polygon, box
 
 HERE = Vector(0.5, 0.5)

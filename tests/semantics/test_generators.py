@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.api import loads
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 from .stepping import stepping
 from .test_purity import Again

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError, SpecifiedTwice
+from scenic_ref.semantics.store.errors import ProgramError, SpecifiedTwice
 
 BEHAVIOR = """
 behavior Go():

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.conformance.implementations.reference import traced
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ProgramError
-from scenic_ref.semantics.scenes import neighbours
-from scenic_ref.semantics.space import crowds, geometry
+from scenic_ref.semantics.scenes import default_requirements
+from scenic_ref.semantics.space import box_crowds, geometry
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ProgramError
 
 ROW = "ego = Object at 0 @ 0\nfor i in range({}):\n    Object at (2 * i + 2) @ 0, with requireVisible False\n"
 Box = tuple[float, float, float, float, float]
@@ -45,7 +45,7 @@ def meeting(found: list[Box], *, closed: bool = True) -> set[tuple[int, int]]:
 @pytest.mark.parametrize("seed", range(12))
 def test_every_pair_that_intersects_may_meet(seed: int) -> None:
     found = boxes(seed)
-    near = crowds.near_pairs(found)
+    near = box_crowds.near_pairs(found)
     assert near is not None
     assert near == sorted(set(near), key=lambda pair: (pair[1], pair[0]))
     assert meeting(found) <= set(near)
@@ -57,7 +57,7 @@ def test_a_reach_that_is_too_small_would_be_noticed(rival: str, monkeypatch: pyt
     if rival == "half the reach":
         monkeypatch.setattr(np, "hypot", lambda width, length: (width + length) / 4)
     else:
-        monkeypatch.setattr(crowds, "MARGIN", -1e-3)
+        monkeypatch.setattr(box_crowds, "MARGIN", -1e-3)
     with pytest.raises(AssertionError):
         for seed in range(12):
             test_every_pair_that_intersects_may_meet(seed)
@@ -66,7 +66,7 @@ def test_a_reach_that_is_too_small_would_be_noticed(rival: str, monkeypatch: pyt
 @pytest.mark.parametrize("strange", [math.inf, math.nan])
 def test_beside_a_box_without_bounds_all_pairs_are_looked_at(strange: float) -> None:
     found = [*boxes(1, 60), (0.0, 0.0, 0.0, strange, 1.0)]
-    assert crowds.near_pairs(found) == [(i, j) for j in range(61) for i in range(j)]
+    assert box_crowds.near_pairs(found) == [(i, j) for j in range(61) for i in range(j)]
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -75,8 +75,8 @@ def test_a_crowd_meets_if_two_of_its_boxes_do(closed: bool) -> None:
     told = [bool(meeting(found, closed=closed)) for found in crowds_]
     assert 3 < sum(told) < 37
     rows = np.array([numbers_of(found) for found in crowds_])
-    assert list(crowds.crowd_meets(closed, *rows.T)) == told  # type: ignore[call-overload]
-    assert [crowds.crowd_meets(closed, *row) for row in rows] == told
+    assert list(box_crowds.crowd_meets(closed, *rows.T)) == told  # type: ignore[call-overload]
+    assert [box_crowds.crowd_meets(closed, *row) for row in rows] == told
 
 
 def apart_or_not(seed: int) -> list[Box]:
@@ -98,7 +98,7 @@ def test_what_collides_is_rejected_for_the_pair_that_it_was(monkeypatch: pytest.
     text = ROW.format(80) + "Object at 81 @ 0.3, with requireVisible False\n"
     with pytest.raises(AttemptsExhausted) as many:
         scenic_ref.loads(text).sample(seed=0, max_attempts=1)
-    monkeypatch.setattr(neighbours, "MANY", 1000)
+    monkeypatch.setattr(default_requirements, "MANY", 1000)
     with pytest.raises(AttemptsExhausted) as all_pairs:
         scenic_ref.loads(text).sample(seed=0, max_attempts=1)
     assert str(many.value) == str(all_pairs.value)
@@ -129,4 +129,4 @@ def test_a_box_as_wide_as_the_world_meets_all(width: str) -> None:
 
 
 def test_of_what_is_no_number_nothing_is_said():
-    assert crowds.near_pairs([(0.0, 0.0, 0.0, 1.0, 1.0), (0.5, 0.0, 0.0, "wide", 1.0)]) is None  # type: ignore[list-item]
+    assert box_crowds.near_pairs([(0.0, 0.0, 0.0, 1.0, 1.0), (0.5, 0.0, 0.0, "wide", 1.0)]) is None  # type: ignore[list-item]

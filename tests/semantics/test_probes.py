@@ -11,10 +11,10 @@ import pytest
 import scenic_ref
 from scenic_ref.data.scene import Scene
 from scenic_ref.inference.comparison import Categorical, contradicts
-from scenic_ref.semantics.kernel import errors
-from scenic_ref.semantics.kernel.outcome import Requirement
+from scenic_ref.semantics.machine.outcome import Requirement
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store import errors
 from scipy.stats import norm
 
 

@@ -24,19 +24,19 @@ from scenic_ref.conformance.implementations.protocol import Refused
 from scenic_ref.conformance.implementations.reference import Ourselves
 from scenic_ref.conformance.judge import fired_in
 from scenic_ref.interpreter.runtime import program_run
-from scenic_ref.semantics.kernel import budget, scopes, versions
-from scenic_ref.semantics.kernel.allowed import ATTRIBUTES, is_user_made
-from scenic_ref.semantics.kernel.budget import Metered
-from scenic_ref.semantics.kernel.config import Config, State
-from scenic_ref.semantics.kernel.containers import Counter, OrderedDict, deque
-from scenic_ref.semantics.kernel.errors import without_addresses
-from scenic_ref.semantics.kernel.generators import Generator
-from scenic_ref.semantics.kernel.outcome import Draw, Outcome
-from scenic_ref.semantics.kernel.scopes import Scope
-from scenic_ref.semantics.kernel.sets import Set
-from scenic_ref.semantics.kernel.values import Bound, Dynamic, Function, Method, Module, Random
-from scenic_ref.semantics.kernel.versions import STORED, content_of
+from scenic_ref.semantics.machine.config import Config, State
+from scenic_ref.semantics.machine.outcome import Draw, Outcome
+from scenic_ref.semantics.machine.sandbox_table import ATTRIBUTES, is_user_made
+from scenic_ref.semantics.machine.values import Bound, Dynamic, Function, Method, Module, Random
 from scenic_ref.semantics.step import step
+from scenic_ref.semantics.store import budget, scopes, undo_log
+from scenic_ref.semantics.store.budget import Metered
+from scenic_ref.semantics.store.containers import Counter, OrderedDict, deque
+from scenic_ref.semantics.store.errors import without_addresses
+from scenic_ref.semantics.store.generators import Generator
+from scenic_ref.semantics.store.scopes import Scope
+from scenic_ref.semantics.store.sets import Set
+from scenic_ref.semantics.store.undo_log import STORED, content_of
 
 from .stepping import stepping
 
@@ -165,7 +165,7 @@ class Again:
         kept.config.state.settings.door.budget.left = kept.left
         try:
             again = outcome_told(step(kept.config))
-        except versions.DrivenOn:
+        except undo_log.DrivenOn:
             return
         if again != kept.told:  # not `assert`: its report of two big outcomes would take gigabytes
             raise AssertionError(f"stepped again, another outcome at {scenic_ref.semantics.step.place(kept.config)}")
@@ -274,11 +274,11 @@ def test_what_was_kept_of_one_run_is_stepped_in_any_order(seed: int) -> None:
 
 FORGOTTEN: dict[str, tuple[Any, str, list[str]]] = {
     "variables": (scopes, "Entry", ["a variable", "a nonlocal variable", "a loop"]),
-    "items": (versions, "Item", ["a list", "random elements"]),
-    "what was appended": (versions, "Tail", ["a list", "random elements", "a lambda"]),
-    "contents": (versions, "Content", ["a list", "a set", "a deque", "an OrderedDict"]),
-    "entries": (versions, "Entry", ["a dictionary", "a defaultdict", "an instance"]),
-    "attributes of classes": (versions, "Slot", ["an attribute of a class"]),
+    "items": (undo_log, "Item", ["a list", "random elements"]),
+    "what was appended": (undo_log, "Tail", ["a list", "random elements", "a lambda"]),
+    "contents": (undo_log, "Content", ["a list", "a set", "a deque", "an OrderedDict"]),
+    "entries": (undo_log, "Entry", ["a dictionary", "a defaultdict", "an instance"]),
+    "attributes of classes": (undo_log, "Slot", ["an attribute of a class"]),
     "places of iterators": (budget, "Slot", ["an iterator"]),
 }
 
@@ -286,7 +286,7 @@ FORGOTTEN: dict[str, tuple[Any, str, list[str]]] = {
 class Nothing:
     """A note that takes nothing back."""
 
-    before = versions.MISSING
+    before = undo_log.MISSING
 
     def __init__(self, *_: object) -> None:
         pass
@@ -349,11 +349,11 @@ LOOP = "require ego.width < 20\nxs = [0] * 50\nfor i in range(300):\n    x = i\n
 @pytest.mark.slow
 @pytest.mark.parametrize("program", [LOOP, "behavior B():\n    x = 0\n    while True:\n        x = x + 1\n        take 1\nego = Object with behavior B\n"])
 def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
-    before: list[versions.Version] = []  # of other tests: kept, so that no new one has the identity of one of them
+    before: list[undo_log.Version] = []  # of other tests: kept, so that no new one has the identity of one of them
     alive: list[int] = []
 
-    def living() -> list[versions.Version]:
-        return [thing for thing in gc.get_objects() if type(thing) is versions.Version]
+    def living() -> list[undo_log.Version]:
+        return [thing for thing in gc.get_objects() if type(thing) is undo_log.Version]
 
     def watch(config: Config) -> Outcome:
         outcome = step(config)
@@ -375,7 +375,7 @@ def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
 def test_a_configuration_that_was_driven_on_says_so():
     config = scenic_ref.loads("ego = Object\n").start()
     program_run.run(config, lambda draw: draw.distribution.sample(lambda: 0.5))
-    with pytest.raises(versions.DrivenOn, match="cannot be stepped again"):
+    with pytest.raises(undo_log.DrivenOn, match="cannot be stepped again"):
         step(config)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.store import errors
 
 EGO = "ego = Object\n"
 CHOICE = "a = Object at 5 @ 5\nb = Object at 9 @ 9\nu = Uniform(a, b)\n"

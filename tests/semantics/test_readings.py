@@ -8,9 +8,9 @@ from importlib.resources import files
 import pytest
 import scenic_ref
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import ProgramError, UsageError
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided, select
-from scenic_ref.semantics.readings.loading import FILES, readings_in
+from scenic_ref.semantics.readings.reading import FILES, readings_in
+from scenic_ref.semantics.store.errors import ProgramError, UsageError
 
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 

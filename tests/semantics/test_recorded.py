@@ -25,8 +25,8 @@ from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.interpreter.runtime import trace
 from scenic_ref.semantics import step
-from scenic_ref.semantics.kernel.errors import ScenicError
-from scenic_ref.semantics.space.distributions import continuous
+from scenic_ref.semantics.space.distributions import families
+from scenic_ref.semantics.store.errors import ScenicError
 
 RECORDED = Path(__file__).with_name("recorded.json")
 STEPS = 6
@@ -114,7 +114,7 @@ def test_what_is_given_otherwise_is_noticed(rival: str, monkeypatch: pytest.Monk
     before = of_text(text)
     assert before == of_text(text)
     if rival == "another number":
-        monkeypatch.setattr(continuous.Range, "sample", lambda self, uniform: self.low + (self.high - self.low) * uniform() ** 2)
+        monkeypatch.setattr(families.Range, "sample", lambda self, uniform: self.low + (self.high - self.low) * uniform() ** 2)
     else:
         monkeypatch.setattr(trace.Trace, "witness", lambda self, outcome, drawn: None)
     assert of_text(text) != before

@@ -8,8 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scenic_ref import loads
-from scenic_ref.semantics.kernel.errors import CyclicDependencies, MissingProperty, SpecifiedTwice, SpecifiedTwiceOptionally
 from scenic_ref.semantics.scenes.resolution import Specification, resolve_specifiers
+from scenic_ref.semantics.store.errors import (
+    CyclicDependencies,
+    MissingProperty,
+    SpecifiedTwice,
+    SpecifiedTwiceOptionally,
+)
 from scenic_ref.semantics.syntax.nodes import NOWHERE
 from scenic_ref.semantics.syntax.python_expressions import Constant
 

@@ -11,8 +11,8 @@ from scenic_ref.conformance import ConformanceVector, load_vectors
 from scenic_ref.conformance.implementations.reference import load, traced
 from scenic_ref.conformance.matchers.errors import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
-from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.rules import CATALOGUE, RELEASED, RULES, Rule
+from scenic_ref.semantics.store import errors
 
 VECTORS = load_vectors()
 BY_NAME = {v.name: v for v in VECTORS}

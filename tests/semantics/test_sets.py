@@ -10,8 +10,8 @@ import pytest
 import scenic_ref
 from hypothesis import given
 from hypothesis import strategies as st
-from scenic_ref.semantics.kernel import errors
-from scenic_ref.semantics.kernel.sets import FrozenSet, Set
+from scenic_ref.semantics.store import errors
+from scenic_ref.semantics.store.sets import FrozenSet, Set
 
 PROGRAM = """
 import enum

@@ -9,15 +9,15 @@ from itertools import repeat
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.allowed import ATTRIBUTES
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ProgramError, RunError
-from scenic_ref.semantics.kernel.generators import EXHAUSTED
-from scenic_ref.semantics.kernel.suggestions import nearest
-from scenic_ref.semantics.readings.loading import probe_of
+from scenic_ref.semantics.machine.sandbox_table import ATTRIBUTES
+from scenic_ref.semantics.readings.reading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
-from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, everywhere, intervals
+from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, everywhere, parameter_intervals
 from scenic_ref.semantics.space.regions.combined import UnionRegion
 from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.semantics.store.errors import AttemptsExhausted, ProgramError, RunError
+from scenic_ref.semantics.store.generators import EXHAUSTED
+from scenic_ref.semantics.store.suggestions import nearest
 
 EGO = "ego = Object at (0, 0)\n"
 
@@ -71,8 +71,8 @@ def test_a_normal_distribution_is_finite_where_the_number_is_0() -> None:
 
 
 def test_a_segment_of_length_0_is_within_a_disc_or_not() -> None:
-    assert intervals.where_within_disc(1.0, 0.0, 0.0, 0.0, 1.0) == intervals.ALL
-    assert intervals.where_within_disc(1.2, 0.0, 0.0, 0.0, 1.0) == intervals.NONE
+    assert parameter_intervals.where_within_disc(1.0, 0.0, 0.0, 0.0, 1.0) == parameter_intervals.ALL
+    assert parameter_intervals.where_within_disc(1.2, 0.0, 0.0, 0.0, 1.0) == parameter_intervals.NONE
 
 
 def test_a_step_that_is_given_for_one_way_changes_no_other() -> None:

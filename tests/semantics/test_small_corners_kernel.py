@@ -9,12 +9,12 @@ import pytest
 import scenic_ref
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.trace import Trace
-from scenic_ref.semantics.kernel import suggestions
-from scenic_ref.semantics.kernel.allowed import is_value
-from scenic_ref.semantics.kernel.errors import FuelExhausted, ProgramError, RunError
-from scenic_ref.semantics.kernel.outcome import Outcome
+from scenic_ref.semantics.machine.outcome import Outcome
+from scenic_ref.semantics.machine.sandbox_table import is_value
 from scenic_ref.semantics.space.regions import everywhere
 from scenic_ref.semantics.step import step
+from scenic_ref.semantics.store import suggestions
+from scenic_ref.semantics.store.errors import FuelExhausted, ProgramError, RunError
 from scenic_ref.simulators.loop import simulate_once
 from scenic_ref.simulators.still import Still
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.data.scene import json_value
-from scenic_ref.semantics.kernel.errors import ProgramError, ScenicError
 from scenic_ref.semantics.python.builtins import BUILTINS
+from scenic_ref.semantics.store.errors import ProgramError, ScenicError
 
 EGO = "ego = Object at (0, 0)\n"
 BIG = 2**90_000

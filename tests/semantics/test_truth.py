@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 
 BEFORE = "import math\nclass K(object): pass\ndef f(): return False\nbehavior B():\n    wait\nscenario S():\n    setup: pass\n"
 BEHAVIOR = "behavior C():\n{}\nego = Object with behavior C()\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError, RunError
+from scenic_ref.semantics.store.errors import ProgramError, RunError
 
 FIELD = "f = VectorField('f', lambda p: {})\n"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.interpreter.language.parser import parse
-from scenic_ref.semantics.kernel.errors import ProgramError
+from scenic_ref.semantics.store.errors import ProgramError
 from scenic_ref.semantics.syntax.dynamics import BehaviorDefinition, ScenarioDefinition
 from scenic_ref.semantics.syntax.statements import FunctionDefinition
 from scenic_ref.simulators import actions as a

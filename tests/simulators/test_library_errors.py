@@ -6,7 +6,7 @@ import re
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError
+from scenic_ref.semantics.store.errors import ProgramError
 
 MODEL = "model scenic.domains.driving.model\n"
 CALLS = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.api import loads
-from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.simulators.worlds.names import NAMES_OF_MODELS
 
 

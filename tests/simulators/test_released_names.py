@@ -6,7 +6,7 @@ import inspect
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError
+from scenic_ref.semantics.store.errors import ProgramError
 from scenic_ref.simulators.actions import ACTIONS
 
 MODEL = "model scenic.domains.driving.model\n"

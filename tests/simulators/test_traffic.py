@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.roads.map_generator import made
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunError, UsageError
+from scenic_ref.semantics.store.errors import AttemptsExhausted, RunError, UsageError
 from scenic_ref.simulators import by_name
 from scenic_ref.simulators.actions import SetAutopilotAction, SetThrottleAction
 from scenic_ref.testing import check_simulator

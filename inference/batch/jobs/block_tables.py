@@ -25,7 +25,7 @@ from ....data.typed_columns import (
     taken,
     vector,
 )
-from ....semantics.kernel.values import Random
+from ....semantics.machine.values import Random
 from ....semantics.space.vectors import Vector
 from ..block_rejection import Block
 from ..row_calls import Columns

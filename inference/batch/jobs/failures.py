@@ -6,7 +6,7 @@ import pickle
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ....semantics.kernel.errors import ScenicError
+from ....semantics.store.errors import ScenicError
 
 LARGEST_CHUNK = 16
 

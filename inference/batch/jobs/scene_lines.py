@@ -7,62 +7,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from itertools import chain, groupby, repeat
+from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ....data.json_numbers import number_texts
 from ....data.scene import OWN_FIELDS, Scene, in_json, json_value, object_entry, scene_entry
-from ....semantics.kernel.values import Random
+from ....semantics.machine.values import Random
 from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.vectors import Vector
 from ..block_rejection import Block
 from ..row_calls import Columns
 from ..scene_template import ObjectTemplate, Template, listed
 from ..symbolic import Choice, Opaque, Traced, symbols_in
+from .text_rows import Cells, Picked, joined, merged
 
 if TYPE_CHECKING:
     from ..numba_json import CompiledRows
-
-
-class Picked(NamedTuple):
-    """In each row one of some texts, by its number."""
-
-    texts: Sequence[str]
-    numbers: np.ndarray
-
-
-Cells = str | list[str] | Picked | np.ndarray
-"""A piece: the same in all rows, or one for each, or the texts of a column of finite floats or of whole numbers."""
-
-
-def merged(pieces: Sequence[Cells]) -> list[Cells]:
-    """The pieces, those that all rows share in one where they follow each other."""
-    found: list[Cells] = []
-    for shared, group in groupby(pieces, lambda piece: isinstance(piece, str)):
-        several = list(group)
-        found += ["".join(several)] if shared else several  # type: ignore[arg-type]
-    return found
-
-
-def texts_of(piece: Cells) -> str | list[str]:
-    """A piece as texts."""
-    match piece:
-        case Picked(texts=texts, numbers=numbers):
-            return list(map(texts.__getitem__, numbers.tolist()))
-        case np.ndarray():
-            return number_texts(piece) if piece.dtype.kind == "f" else list(map(str, piece.tolist()))
-        case str() | list():
-            return piece
-
-
-def joined(pieces: Sequence[Cells], count: int) -> list[str]:
-    """The rows, `count` of them."""
-    parts = [texts_of(piece) for piece in pieces]
-    if all(isinstance(part, str) for part in parts):
-        return ["".join(parts)] * count  # type: ignore[arg-type]
-    return list(map("".join, zip(*(repeat(part, count) if isinstance(part, str) else part for part in parts), strict=True)))
 
 
 Numbers = np.ndarray | list[object]

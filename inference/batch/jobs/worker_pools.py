@@ -23,7 +23,7 @@ from types import FrameType
 from typing import TypeVar
 
 from ....interpreter.runtime.optional_packages import needed
-from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
+from ....semantics.store.errors import AttemptsExhausted, InternalError, UsageError
 from ...rejection import DEFAULT_ATTEMPTS, exhausted, how_often
 from ..block_rejection import Batch, Block
 

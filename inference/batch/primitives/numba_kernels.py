@@ -28,7 +28,7 @@ from ....interpreter.runtime.random_streams import (
     WEYL_1,
 )
 from ....semantics.space.boundaries import METRES
-from ....semantics.space.crowds import MARGIN
+from ....semantics.space.box_crowds import MARGIN
 from ..code_cache import keep_code
 from .point_in_polygon import INSIDE, OUTSIDE, TIE, UNSURE, Grid
 

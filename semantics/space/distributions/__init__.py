@@ -5,11 +5,9 @@ but for points of regions. Where the inverse is infinite at 0, the number 0 coun
 distribution is made: `BadParameters` says which is wrong, and why.
 """
 
-from ..regions.sampling import Numbers
-from .continuous import Normal, Range, TruncatedNormal
+from ..regions.point_sampling import Numbers
 from .distribution import BadParameters, Distribution, NoValues, Support
-from .finite import Coin, Discrete, Uniform
-from .points import PointIn
+from .families import Coin, Discrete, Normal, PointIn, Range, TruncatedNormal, Uniform
 
 __all__ = [
     "BadParameters",

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Protocol
 
-from ..numeric import is_finite_number, number
-from ..regions.sampling import Numbers
+from ..numeric_functions import is_finite_number, number
+from ..regions.point_sampling import Numbers
 
 Support = tuple[tuple[object, Fraction], ...]
 

@@ -1,12 +1,11 @@
 """Regions: sets of points that can be sampled uniformly, tested for points and boxes, and combined."""
 
 from .combined import DifferenceRegion, IntersectionRegion, UnionRegion
-from .curves import AlongCurve, PointSetRegion, PolylineRegion
 from .errors import BadRegion, EmptyRegion, UnboundedRegion
 from .plane_shapes import PlaneShape
 from .polygons import PolygonalRegion
 from .region import Region, everywhere, nowhere
-from .shapes import CircularRegion, RectangularRegion, SectorRegion
+from .shapes import AlongCurve, CircularRegion, PointSetRegion, PolylineRegion, RectangularRegion, SectorRegion
 from .workspace import Workspace
 
 __all__ = [

@@ -16,9 +16,9 @@ from shapely.geometry import Point, Polygon
 
 from ..boundaries import METRES, common, without
 from ..fields import OutsideField, VectorField
-from ..numeric import every, lifted
+from ..numeric_functions import every, lifted
 from ..vectors import Vector
-from . import intervals
+from . import parameter_intervals
 from .approximation import (
     LEVELS,
     NO_BOUNDS,
@@ -36,9 +36,9 @@ from .approximation import (
     window_around,
 )
 from .errors import EmptyRegion, UnboundedRegion
-from .intervals import Intervals
+from .parameter_intervals import Intervals
+from .point_sampling import Numbers, Segment, SegmentSampler, TriangleSampler
 from .region import Everywhere, Nowhere, Region, everywhere, nowhere
-from .sampling import Numbers, Segment, SegmentSampler, TriangleSampler
 
 _GOOD_COVER = 0.5  # a cover is close enough for sampling if at least this share of it is core
 _POOREST_COVER = 1e-3  # a region is too thin to be told from the empty set if the finest cover has less core than this
@@ -225,7 +225,7 @@ class IntersectionRegion(_Combination):
         return Approximation(as_core(common(first.core, second.core)), as_cover(both))
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals.intersection(self.first.intervals(start, end), self.second.intervals(start, end))
+        return parameter_intervals.intersection(self.first.intervals(start, end), self.second.intervals(start, end))
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
         curve, other = (self.first, self.second) if self.first.dimension == 1 else (self.second, self.first)
@@ -295,11 +295,11 @@ class UnionRegion(_Combination):
         return Approximation(as_core(union_inside(window, first.core, second.core)), cover)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals.union(self.first.intervals(start, end), self.second.intervals(start, end))
+        return parameter_intervals.union(self.first.intervals(start, end), self.second.intervals(start, end))
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
         yield from self.first.segments(within)
-        yield from _parts(self.second, lambda a, b: intervals.complement(self.first.intervals(a, b)), within)
+        yield from _parts(self.second, lambda a, b: parameter_intervals.complement(self.first.intervals(a, b)), within)
 
     def points(self) -> Iterable[Vector]:
         yield from self.first.points()
@@ -338,10 +338,10 @@ class DifferenceRegion(_Combination):
         return Approximation(as_core(without(first.core, second.cover)), cover)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals.intersection(self.first.intervals(start, end), intervals.complement(self.second.intervals(start, end)))
+        return parameter_intervals.intersection(self.first.intervals(start, end), parameter_intervals.complement(self.second.intervals(start, end)))
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
-        return _parts(self.first, lambda a, b: intervals.complement(self.second.intervals(a, b)), within)
+        return _parts(self.first, lambda a, b: parameter_intervals.complement(self.second.intervals(a, b)), within)
 
     def points(self) -> Iterable[Vector]:
         return (point for point in self.first.points() if not self.second.contains_point(point))

@@ -12,16 +12,16 @@ from shapely.geometry.base import BaseGeometry
 
 from ..boundaries import GRID, united, widened
 from ..fields import VectorField
-from ..numeric import lifted
+from ..numeric_functions import lifted
 from ..vectors import Vector
-from . import intervals
+from . import parameter_intervals
 from .approximation import Approximation, Bounds, box_shape
-from .checking import checked_number_field, vectors
 from .errors import BadRegion
-from .intervals import Intervals
+from .parameter_intervals import Intervals
 from .plane_shapes import PlaneShape
+from .point_sampling import Numbers, TriangleSampler
 from .region import Region
-from .sampling import Numbers, TriangleSampler
+from .region_checks import checked_number_field, vectors
 
 
 class PolygonalRegion(Region):
@@ -108,10 +108,10 @@ def intervals_within(shape: BaseGeometry, start: Vector, end: Vector) -> Interva
     dx, dy = end.x - start.x, end.y - start.y
     square = dx * dx + dy * dy
     if square == 0:
-        return intervals.NONE
+        return parameter_intervals.NONE
     segment = LineString([(start.x, start.y), (end.x, end.y)])
     if shape.covers(segment):
-        return intervals.ALL
+        return parameter_intervals.ALL
     common = shapely.intersection(shape, segment) if shape.intersects(segment) else LineString()
     found: list[tuple[float, float]] = []
     for part in shapely.get_parts(common):

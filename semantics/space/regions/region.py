@@ -8,13 +8,13 @@ from collections.abc import Iterable
 from shapely.geometry import Polygon
 
 from ..fields import VectorField
-from ..numeric import is_one, lifted
+from ..numeric_functions import is_one, lifted
 from ..vectors import Vector
-from . import intervals
+from . import parameter_intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around
 from .errors import BadRegion, EmptyRegion, UnboundedRegion
-from .intervals import Intervals
-from .sampling import Numbers, Segment
+from .parameter_intervals import Intervals
+from .point_sampling import Numbers, Segment
 
 
 class Region(ABC):
@@ -154,7 +154,7 @@ class Everywhere(Region):
         return Approximation(window, window)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals.ALL
+        return parameter_intervals.ALL
 
     def measure(self) -> None:
         return None
@@ -183,7 +183,7 @@ class Nowhere(Region):
         return Approximation(nothing, nothing)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals.NONE
+        return parameter_intervals.NONE
 
     def measure(self) -> float:
         return 0.0

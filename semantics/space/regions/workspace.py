@@ -10,10 +10,10 @@ from ..fields import VectorField
 from ..vectors import Vector
 from .approximation import Approximation, Bounds
 from .errors import BadRegion
-from .intervals import Intervals
+from .parameter_intervals import Intervals
+from .point_sampling import Numbers, Segment
 from .polygons import PolygonalRegion
 from .region import Region, everywhere
-from .sampling import Numbers, Segment
 
 
 class Workspace(Region):

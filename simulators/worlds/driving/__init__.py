@@ -13,8 +13,8 @@ from ....roads import vehicle_paths
 from ....roads.map_generator import made
 from ....roads.network import Network
 from ....roads.network_builder import TOLERANCE, network_from
-from ....semantics.kernel.errors import ImportRefused
-from ....semantics.python.specials import MAPS
+from ....semantics.python.builtin_rules import MAPS
+from ....semantics.store.errors import ImportRefused
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.statements import Param

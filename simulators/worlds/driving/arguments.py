@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ....roads.network import Intersection, Lane, LaneSection, LinearElement, Signal
-from ....semantics.kernel.kinds import is_object
-from ....semantics.kernel.values import Dynamic, Instance
+from ....semantics.machine.operand_kinds import is_object
+from ....semantics.machine.values import Dynamic, Instance
 from ....semantics.space.regions import PolylineRegion, Region
 from ....semantics.space.vectors import Vector
 from ...actions import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check, is_number, is_vector

@@ -8,10 +8,10 @@ from typing import Any
 
 from ....roads.network import Network
 from ....roads.network_builder import TOLERANCE, read_map
-from ....semantics.kernel.errors import ImportRefused, ScenicError
-from ....semantics.kernel.scopes import descendants
-from ....semantics.kernel.suggestions import did_you_mean
-from ....semantics.python.specials import WITHOUT_EFFECT
+from ....semantics.python.builtin_rules import WITHOUT_EFFECT
+from ....semantics.store.errors import ImportRefused, ScenicError
+from ....semantics.store.scopes import descendants
+from ....semantics.store.suggestions import did_you_mean
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name, UnaryOperation

@@ -1,0 +1,181 @@
+"""The state ⟨s, σ, π, O⟩ of a program: what is left to do, the variables, the global parameters, the objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+from ..store.scopes import Scope
+from ..store.undo_log import Version
+from ..syntax.nodes import NOWHERE, Node, Span
+from .outcome import Change, GivenValues, Next
+from .values import Dynamic, Instance, Module, Origin
+
+if TYPE_CHECKING:
+    from ..syntax import Program
+    from .host_calls import Door
+    from .outcome import Outcome
+    from .simulation_state import Declared, Simulation
+
+Properties = Mapping[str, object]
+
+
+class Settings(NamedTuple):
+    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
+
+    `elsewhere` has the world models in which a name can be found, and `defined` where the program binds one at its top level, for
+    suggestions. `dialect` is the program's. A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do
+    anything.
+    """
+
+    readings: Mapping[str, str]
+    library: Mapping[str, Program | Mapping[str, object] | Exception]
+    machine: Callable[[Config], Outcome]
+    door: Door
+    params: Mapping[str, object] = {}
+    model: str | None = None
+    scenario: str | None = None
+    trusted: bool = False
+    given: GivenValues = GivenValues()
+    elsewhere: Mapping[str, tuple[str, ...]] = {}
+    defined: Mapping[str, Span] = {}
+    dialect: str = "paper"
+
+
+class Captured(NamedTuple):
+    """What holds at a requirement that waits for the end: a copy of σ, `ego` and `workspace`, O."""
+
+    sigma: Scope
+    ego: object
+    workspace: object
+    objects: Mapping[int, Properties]
+
+
+class State(NamedTuple):
+    """(σ, π, O) and what the machine keeps beside them.
+
+    `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
+    Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
+    share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
+    requirements that wait for the end, each with what held at its statement (reading `require-time=end`); `dynamic`
+    those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
+    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is
+    while it runs (None: the scene is being generated). `settled` are the random values of what waited for a position,
+    for each object (and time step). `deciding` says that the condition of a requirement is evaluated with plain values (reading
+    `random-branch`). `version` is that of the scopes and containers, which are updated in place (`versions`).
+    """
+
+    sigma: Scope
+    settings: Settings
+    version: Version
+    params: Mapping[str, object] = {}
+    objects: Mapping[int, Properties] = {}
+    scene: tuple[Instance, ...] = ()
+    names: Mapping[int, str] = {}
+    ego: object = None
+    workspace: object = None
+    prefix: tuple[int, ...] = ()
+    draws: int = 0
+    modules: Mapping[str, Module] = {}
+    late: tuple[tuple[Node, Captured], ...] = ()
+    dynamic: tuple[Declared, ...] = ()
+    handling: tuple[BaseException, ...] = ()
+    depth: int = 0
+    made: int = 0
+    initial: Dynamic | None = None
+    simulation: Simulation | None = None
+    settled: Mapping[tuple[object, int, int | None], object] = {}
+    deciding: bool = False
+
+    @property
+    def runs(self) -> bool:
+        """Whether a scenario runs, and this is not one of its setup blocks."""
+        return self.simulation is not None and not self.simulation.setting
+
+    @property
+    def may_branch(self) -> bool:
+        """Whether what is drawn may decide what happens, so that rules see plain values."""
+        return self.deciding or self.runs
+
+    @property
+    def address(self) -> tuple[int, ...]:
+        """The address of the next draw."""
+        return (*self.prefix, self.draws)
+
+    def reading(self, name: str) -> str:
+        """The alternative of a reading that this run follows."""
+        return self.settings.readings[name]
+
+    def property(self, instance: Instance, name: str) -> object:
+        """O(instance.name)."""
+        return self.objects[instance.number][name]
+
+    def with_properties(self, instance: Instance, properties: Properties) -> State:
+        """O[instance.p / v] for every p in `properties`."""
+        updated = {**self.objects.get(instance.number, {}), **properties}
+        return self.with_objects({**self.objects, instance.number: updated})
+
+    def with_objects(self, objects: Mapping[int, Properties]) -> State:
+        """The same with another O; what `_replace` does, for the step that is taken most."""
+        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))  # pyright: ignore[reportUnknownMemberType]
+
+    def with_simulation(self, simulation: Simulation) -> State:
+        """The same with another simulation, as `with_objects`."""
+        return tuple.__new__(State, (*self[:SIMULATION], simulation, *self[SIMULATION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
+
+    def in_version(self, version: Version) -> State:
+        """The same in another version."""
+        return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
+
+
+class Value(NamedTuple):
+    """An expression has been reduced to `value`; a statement to `pass`, whose value is PASS."""
+
+    value: object
+
+
+PASS = Value(None)
+
+
+class Abrupt(NamedTuple):
+    """A statement left its block: by `break`, `continue`, `return` (with a value), `abort`, `terminate`, or an exception (with the draw that
+    it depends on). `caller` is where the program called the library module in which an exception was raised.
+    """
+
+    kind: Literal["break", "continue", "return", "raise", "abort", "terminate"]
+    value: object = None
+    span: Span = NOWHERE
+    origin: Origin | None = None
+    caller: Span = NOWHERE
+
+
+OBJECTS = State._fields.index("objects")
+VERSION = State._fields.index("version")
+SIMULATION = State._fields.index("simulation")
+Stack: TypeAlias = tuple[Any, ...]
+"""The context in which the control stands: (), or (frame, Stack) with the innermost frame first."""
+
+Reduction = Callable[[Any, Stack, "State"], "Outcome"]
+"""What reduces a kind of node: `reduction(node, stack, state)`."""
+Resumption = Callable[[Any, Any, Stack, "State"], "Outcome"]
+"""What goes on in a kind of frame when what stood above it is reduced: `resumption(frame, result, stack, state)`."""
+Unwinding = Callable[[Any, Abrupt, Stack, "State"], "Outcome"]
+"""What a kind of frame does when what stood above it was left: `unwinding(frame, abrupt, stack, state)`."""
+
+
+class Config(NamedTuple):
+    """A configuration: a node to reduce, or what it was reduced to; the context around it; the state."""
+
+    control: Node | Value | Abrupt
+    stack: Stack
+    state: State
+
+
+def value(rule: str, result: object, stack: Stack, state: State, node: Node | None = None, change: Change | None = None) -> Next:
+    """The conclusion `... → result` of a rule without probability."""
+    return Next(rule, Config(Value(result), stack, state), node, change)
+
+
+def reduce(node: Node, frame: object, stack: Stack, state: State) -> Next:
+    """Go on with a premise: reduce `node`, then come back to `frame`."""
+    return Next("", Config(node, (frame, stack), state))
