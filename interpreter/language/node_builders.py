@@ -134,9 +134,9 @@ from ...semantics.syntax.statements import (
     While,
 )
 from . import literals
-from .checks import nodes_of_scope
 from .dialects import having
 from .infix_chains import Link, as_vector, associate, is_dotted_name, join
+from .name_checks import nodes_of_scope
 from .nesting import children
 from .printer import to_source
 from .syntax_errors import inside_brackets

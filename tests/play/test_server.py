@@ -163,8 +163,8 @@ def test_advice_can_be_followed_on_the_page(served, program, advice):
 
 def test_advice_for_the_command_line_that_the_page_changes_is_what_is_said():
     """So that none is forgotten where the words change."""
-    layers = ("semantics", "interpreter", "inference", "scenario", "simulators", "cli/playground")
-    said = "".join(path.read_text() for layer in layers for path in (ROOT / layer).rglob("*.py") if path.name != "texts.py")
+    layers = ("semantics", "interpreter", "inference", "api", "simulators", "playground")
+    said = "".join(path.read_text() for layer in layers for path in (ROOT / layer).rglob("*.py") if path.name != "json_views.py")
     assert [command for command, _ in IN_PAGE if command not in said] == []
 
 
