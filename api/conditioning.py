@@ -30,7 +30,7 @@ Address = tuple[int, ...]
 CONTRADICTION = "what is given contradicts itself"
 
 
-def conditioned(scenario: Scenario, scene: Scene | None, objects: Iterable[int] | None, params: Mapping[str, object]) -> Scenario:
+def conditioned_scenario(scenario: Scenario, scene: Scene | None, objects: Iterable[int] | None, params: Mapping[str, object]) -> Scenario:
     """`Scenario.condition_on`. Raises `UsageError`, and the errors that the program has given all this."""
     check_law(scenario)
     objects = tuple(objects) if isinstance(objects, Iterable) else objects
@@ -105,14 +105,14 @@ def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, KnownDraw]:
     raise UsageError("this is not a scene that `sample` of this scenario gave", hint="condition on a scene of the same program and readings")
 
 
-def lifted(scenario: Scenario) -> Lifted | None:
+def lift_scenario(scenario: Scenario) -> Lifted | None:
     """The program as a graph, and what it leaves with symbols in it, if it can be made one."""
     return None if scenario.batch is None else trace(scenario.start, scenario.fuel)
 
 
 def sites_of(scenario: Scenario, objects: Iterable[int]) -> set[Address]:
     """The addresses of the draws on which the properties of some objects depend. Raises `UsageError` where they cannot be told apart."""
-    graph = lifted(scenario)
+    graph = lift_scenario(scenario)
     if graph is None:
         raise UsageError(
             f"it cannot be told on which draws single objects depend: {scenario.not_lifted}", hint="condition on the whole scene, or on parameters"
@@ -189,7 +189,7 @@ def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict
     required: dict[str, object] = {}
     if not params:
         return {}, required
-    state, graph = scenario.last_state(keep), lifted(scenario)
+    state, graph = scenario.last_state(keep), lift_scenario(scenario)
     for name, value in params.items():
         if name not in state.params:
             raise UsageError(f"there is no global parameter {name!r}", hint=f"there are: {', '.join(state.params) or 'none'}")
@@ -243,11 +243,11 @@ def together(known: Iterable[Mapping[Address, KnownDraw]]) -> dict[Address, Know
     for side in known:
         for address, one in side.items():
             other = found.get(address, one)
-            found[address] = agreeing(one, other)
+            found[address] = merge_known_draws(one, other)
     return found
 
 
-def agreeing(one: KnownDraw, other: KnownDraw) -> KnownDraw:
+def merge_known_draws(one: KnownDraw, other: KnownDraw) -> KnownDraw:
     """What a draw gives of which two things are known. Raises `UsageError` if it gives nothing."""
     if one.places is not None and other.places is not None:
         places = tuple(place for place in one.places if place in other.places)

@@ -81,7 +81,7 @@ class CheckedProgram(NamedTuple):
     error: ScenicError | None
 
 
-def checked(load: Callable[[], Scenario]) -> CheckedProgram:
+def check_and_rehearse(load: Callable[[], Scenario]) -> CheckedProgram:
     """Load a program and run it once. Raises `UsageError`, and what is no matter of the program."""
     scenario, warnings = None, []
     try:
@@ -105,7 +105,7 @@ def of_warning(warning: ProgramWarning) -> Diagnostic:
     return Diagnostic("warning", warning.kind, warning.message, warning.span, warning.hint)
 
 
-def record(one: Diagnostic) -> dict[str, object]:
+def diagnostic_json(one: Diagnostic) -> dict[str, object]:
     """A diagnostic in JSON; without a place it has a file alone."""
     span = one.span
     place = {"line": span.line, "column": span.column, "end_line": span.end_line, "end_column": span.end_column} if span.line else {}

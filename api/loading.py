@@ -27,7 +27,7 @@ def loads(
 
     Raises `ParseError`, `CheckError`, `UsageError`; warns of parameters that nothing reads.
     """
-    return warned(
+    return warn_unread_params(
         scenario_of(
             text, file=file, dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory,
             fuel=fuel, scenario=scenario,
@@ -60,7 +60,7 @@ def load(
     if not isinstance(path, (str, Path)):
         raise UsageError(f"a path is a text or a `pathlib.Path`, not {path!r:.60}", hint="`loads` takes the text of a program")
     where = Path(path)
-    return warned(
+    return warn_unread_params(
         scenario_of(
             read_text(where), file=str(path), dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust,
             directory=where.parent, fuel=fuel, scenario=scenario,
@@ -68,7 +68,7 @@ def load(
     )  # fmt: skip
 
 
-def warned(scenario: Scenario) -> Scenario:
+def warn_unread_params(scenario: Scenario) -> Scenario:
     """The scenario, with a warning to the caller of `load` or `loads` about each parameter that nothing reads."""
     if scenario.params:
         try:

@@ -41,7 +41,7 @@ class ScenarioText(NamedTuple):
     modules: Mapping[str, str]
 
 
-def reduced(scenario: Scenario) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
+def reduce_scenario(scenario: Scenario) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
     """What makes the scenario again, and its arguments."""
     source = scenario.conditioned_from
     if source is None:

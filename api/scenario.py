@@ -37,7 +37,7 @@ from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..pictures.notebook_views import line_of_program, page_of_program
-from ..pictures.scene_figures import draw_scenes, size_of
+from ..pictures.scene_figures import draw_scenes, multiples_layout
 from ..semantics.machine.config import Config, Settings, State
 from ..semantics.machine.outcome import Done, GivenValues, Outcome
 from ..semantics.machine.values import unwrap
@@ -55,15 +55,15 @@ from ..simulators.protocol import Simulator
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
 from .argument_checks import check_settings, check_whole, no_backend
-from .conditioning import conditioned
-from .pickling import Condition, reduced
-from .scene_iterator import Backend, Drawn, ToldScenes, drawn, progress_of
+from .conditioning import conditioned_scenario
+from .pickling import Condition, reduce_scenario
+from .scene_iterator import Backend, Drawn, ToldScenes, progress_of, sample_scenes
 from .simulations import (
     SimulationBackend,
     SimulationRange,
     Told,
     check_simulation_backend,
-    replayed,
+    replay_recording,
     simulate_many,
 )
 
@@ -96,7 +96,7 @@ MOST = 100
 """Scenes in one picture."""
 
 
-def line_of(scenario: Scenario) -> str:
+def scenario_line(scenario: Scenario) -> str:
     """The scenario in one line, with the readings that are not those of its dialect."""
     usual = select(DIALECTS[scenario.program.dialect].profile)
     readings = {name: alternative for name, alternative in scenario.readings.items() if usual[name] != alternative}
@@ -104,14 +104,14 @@ def line_of(scenario: Scenario) -> str:
     return line_of_program(program.file, program.dialect, readings, scenario.params, given=scenario.conditioned_from is not None)
 
 
-def plotted(scenario: Scenario, n: int, seed: int) -> Figure:
+def plot_scenes(scenario: Scenario, n: int, seed: int) -> Figure:
     """Draw the first scenes into one figure; see `Scenario.plot`."""
     import matplotlib.pyplot as plt
 
     if n > MOST:
         raise UsageError(f"a picture holds {MOST} scenes at most, not {n:,}")
     scenes = list(scenario.sample_many(n, seed))
-    rows, columns, side = size_of(n)
+    rows, columns, side = multiples_layout(n)
     figure = plt.figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
     draw_scenes(figure, scenes, None)
     return figure
@@ -324,7 +324,7 @@ class Scenario:
         other it is required. The rest keeps its distribution, and all requirements have to hold (docs/api.md). Raises `UsageError`, also where it
         is known that no scene is so (else sampling raises `AttemptsExhausted`), and the errors that the program has given all this.
         """
-        return conditioned(self, scene, objects, params or {})
+        return conditioned_scenario(self, scene, objects, params or {})
 
     def on_device(self, device: str) -> Scenario:
         """The same scenario, whose graph torch evaluates on a device, "cpu" or "cuda": the same scenes up to 1e-9 (docs/batch.md).
@@ -405,7 +405,7 @@ class Scenario:
         `progress` shows a bar, or is called with the number of scenes so far. Raises `UsageError` for other backends.
         """
         check_whole(("n", n, 0), ("seed", seed, None), ("start", start, 0), ("max_attempts", max_attempts, 1))
-        return drawn(self, n, seed, start, max_attempts, backend, progress_of(progress, n))
+        return sample_scenes(self, n, seed, start, max_attempts, backend, progress_of(progress, n))
 
     def sample_columns(self, n: int, seed: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> dict[str, np.ndarray]:
         """The objects of `n` scenes as NumPy arrays, one object in each row: `sample_many(n, seed).columns()`."""
@@ -551,7 +551,7 @@ class Scenario:
         Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken, `AttemptsExhausted` if it is rejected.
         """
         self.rehearse()
-        return replayed(self, record, simulator, timestep)
+        return replay_recording(self, record, simulator, timestep)
 
     def enumerate_simulations(
         self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
@@ -563,11 +563,11 @@ class Scenario:
         return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
 
     def __repr__(self) -> str:
-        return line_of(self)
+        return scenario_line(self)
 
     def _repr_html_(self) -> str:
         """The text of the program, for notebooks: nothing is drawn, which could take long."""
-        return page_of_program(line_of(self), self.program.text)
+        return page_of_program(scenario_line(self), self.program.text)
 
     def plot(self, n: int = 9, seed: int = 0) -> Figure:
         """A new figure of `matplotlib.pyplot` with the first `n` scenes of `seed` (100 at most), seen from above in metres.
@@ -575,7 +575,7 @@ class Scenario:
         Raises `UsageError` for other numbers and for coordinates that cannot be drawn, `AttemptsExhausted`, and the program's errors.
         """
         check_whole(("n", n, 1), ("seed", seed, None))
-        return plotted(self, n, seed)
+        return plot_scenes(self, n, seed)
 
     def __copy__(self) -> Scenario:
         """Another scenario of the same program, which shares what was computed."""
@@ -585,5 +585,5 @@ class Scenario:
 
     def __reduce__(self) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
         """For `pickle`: text, settings, and what was given. Raises `UsageError` for what cannot be pickled."""
-        return reduced(self)
+        return reduce_scenario(self)
 

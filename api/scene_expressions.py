@@ -43,18 +43,18 @@ def expression_of(text: str, dialect: str | None = None) -> Expression:
     return statements[0].value
 
 
-def observed(expression: Expression, state: State) -> object:
+def value_in_final_state(expression: Expression, state: State) -> object:
     """The value of an expression in the state in which a run has ended. Raises the error of the expression."""
     state.settings.door.budget.renew()
-    return evaluated(Config(expression, (), state._replace(deciding=True)))
+    return evaluate_config(Config(expression, (), state._replace(deciding=True)))
 
 
 @within
-def evaluated(config: Config) -> object:
+def evaluate_config(config: Config) -> object:
     """The value that the control is reduced to. Raises its error."""
     span = getattr(config.control, "span")  # noqa: B009 (of an expression)
     try:
-        end, _ = drive_machine(step, taken_over(config), refused, FUEL, until=is_value)
+        end, _ = drive_machine(step, taken_over(config), refuse_draw, FUEL, until=is_value)
     except HostException as problem:
         raise RunError(f"{type(problem.exception).__name__}: {problem.exception}", problem.span or span) from None
     if isinstance(end, Fault):
@@ -71,7 +71,7 @@ def is_value(config: Config) -> bool:
     return isinstance(config.control, Value) and not config.stack
 
 
-def refused(draw: Draw) -> object:
+def refuse_draw(draw: Draw) -> object:
     """Answers no draw. Raises `RunError`."""
     raise RunError("what is asked of a scene cannot draw", draw.node.span, hint="the scene is there already: name what it holds")
 
@@ -81,7 +81,7 @@ def read_with(expression: Expression) -> Callable[[State], Scene]:
 
     def read(state: State) -> Scene:
         scene = scene_of(state, 0, 0, 1)
-        return replace(scene, params={NAME: observed(expression, state)})
+        return replace(scene, params={NAME: value_in_final_state(expression, state)})
 
     return read
 

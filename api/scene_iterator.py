@@ -10,13 +10,13 @@ import numpy as np
 from ..data.scene import Scene
 from ..data.scene_tables import OWN, Columns, columns_of, pieces_of, together
 from ..data.table_files import arrow_for, arrow_table
-from ..data.typed_columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, length_of
+from ..data.typed_columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, vector_length
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.block_tables import Tables
 from ..inference.batch.jobs.worker_pools import jobs
 from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.runtime.optional_packages import needed
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from ..semantics.store.errors import UsageError
 from .argument_checks import no_backend
 
@@ -49,7 +49,7 @@ class Drawn(Iterator[Scene]):
         self._done = 0
 
     def __repr__(self) -> str:
-        return f"<{counted(self._count, 'scene')}, {self._done:,} of them drawn>"
+        return f"<{count_phrase(self._count, 'scene')}, {self._done:,} of them drawn>"
 
     def __next__(self) -> Scene:
         try:
@@ -120,7 +120,7 @@ class Drawn(Iterator[Scene]):
                 yield tables.of(block, seed)
 
 
-def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
+def sample_scenes(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
     """What `Scenario.sample_many` returns. Raises as it does."""
     if backend not in ("auto", "interpreter", "batch"):
         raise no_backend(backend, ("auto", "interpreter", "batch"), elsewhere=("importance", "smc", "mcmc"), there="`infer`")
@@ -181,7 +181,7 @@ def series_of(column: TypedColumn) -> Any:
     import pandas
 
     found = array_of(column)
-    if length_of(column.kind) is not None:
+    if vector_length(column.kind) is not None:
         rows = found.tolist()
         return rows if column.valid is None else [row if there else None for row, there in zip(rows, column.valid.tolist(), strict=True)]
     if column.kind == TEXT:

@@ -62,42 +62,42 @@ def simulate_many(
     """The simulations, in order, by this process or `workers` others. Raises `UsageError` where a simulator cannot be sent to these."""
     count = min(workers, which.stop - which.start)
     if count <= 1:
-        return counted(simulated(scenario, which, by_name(simulator, which.timestep) if isinstance(simulator, str) else simulator), progress)
+        return report_run_progress(simulate_range(scenario, which, by_name(simulator, which.timestep) if isinstance(simulator, str) else simulator), progress)
     if not isinstance(simulator, str):
         raise UsageError("other processes make their own simulators", hint='name it: simulator="package.module:Class", or workers=1')
     by_name(simulator, which.timestep)
     data = pickle.dumps(scenario)
     jobs = (SimulationsJob(data, simulator, which._replace(start=start, stop=stop)) for start, stop in parts(which.start, which.stop, count))
-    return counted(sent(jobs, count), progress)
+    return report_run_progress(simulate_in_processes(jobs, count), progress)
 
 
-def simulated(scenario: Scenario, which: SimulationRange, simulator: Simulator) -> Generator[SampledRun]:
+def simulate_range(scenario: Scenario, which: SimulationRange, simulator: Simulator) -> Generator[SampledRun]:
     """The simulations, by this process."""
     for index in range(which.start, which.stop):
         yield scenario.simulate(simulator, which.steps, which.seed, index, max_attempts=which.max_attempts, backend=which.backend)
 
 
-def sent(jobs: Iterator[SimulationsJob], count: int) -> Generator[SampledRun]:
+def simulate_in_processes(jobs: Iterator[SimulationsJob], count: int) -> Generator[SampledRun]:
     """The simulations, by other processes. Raises the error that ends one, after those before it."""
     with processes(count) as several:
-        for found in several.draw(done, jobs):
+        for found in several.draw(run_simulations_job, jobs):
             for one in found:
                 if isinstance(one, FailedDraw):
                     raise one.error
                 yield pickle.loads(one)
 
 
-def done(job: SimulationsJob) -> list[bytes | FailedDraw]:
+def run_simulations_job(job: SimulationsJob) -> list[bytes | FailedDraw]:
     """The simulations of a job, pickled; an error is the last."""
     runs: list[bytes | FailedDraw] = []
     try:
-        runs.extend(map(pickled, simulated(unpickled(job.scenario), job.which, by_name(job.simulator, job.which.timestep))))
+        runs.extend(map(pickle_run, simulate_range(unpickle_scenario(job.scenario), job.which, by_name(job.simulator, job.which.timestep))))
     except ScenicError as error:
         runs.append(failed(error, []))
     return runs
 
 
-def pickled(run: SampledRun) -> bytes:
+def pickle_run(run: SampledRun) -> bytes:
     """A simulation for another process. Raises `UsageError` where it has actions, or values that it recorded, that cannot be pickled."""
     try:
         return pickle.dumps(run)
@@ -106,12 +106,12 @@ def pickled(run: SampledRun) -> bytes:
 
 
 @lru_cache(maxsize=1)
-def unpickled(data: bytes) -> Scenario:
+def unpickle_scenario(data: bytes) -> Scenario:
     """A scenario that was sent to this process."""
     return pickle.loads(data)
 
 
-def counted(runs: Generator[SampledRun], progress: Told | None) -> Generator[SampledRun]:
+def report_run_progress(runs: Generator[SampledRun], progress: Told | None) -> Generator[SampledRun]:
     """The simulations, each of which is told to `progress`."""
     attempts = 0
     for number, run in enumerate(runs, 1):
@@ -121,7 +121,7 @@ def counted(runs: Generator[SampledRun], progress: Told | None) -> Generator[Sam
         yield run
 
 
-def replayed(scenario: Scenario, record: Mapping[str, object] | Recording, simulator: str | Simulator, timestep: float | None) -> Simulated:
+def replay_recording(scenario: Scenario, record: Mapping[str, object] | Recording, simulator: str | Simulator, timestep: float | None) -> Simulated:
     """What `Scenario.replay` gives."""
     recording = record if isinstance(record, Recording) else recording_of(record)
     found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator

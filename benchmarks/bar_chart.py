@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..pictures.scene_figures import CLASSES, EGO, INK, check_format, written
+from ..pictures.scene_figures import CLASSES, EGO, INK, check_format, figure_bytes
 
 if TYPE_CHECKING:
     from .figures import Figures
@@ -40,4 +40,4 @@ def bars(figures: Figures, *, format: str = "png") -> bytes:
     figure.legend(loc="outside upper center", ncols=min(4, len(contenders)), frameon=False, fontsize=8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    return written(figure, format)
+    return figure_bytes(figure, format)

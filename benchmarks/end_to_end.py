@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from ..api import load
 from .implementations import MeasuredProgram, on_one_thread, python_that_runs
-from .own_sampler import Skipped, serve
+from .own_sampler import Skipped, answer_sample_requests
 from .processes import end
 
 FORMATS = ("jsonl", "npz", "parquet", "arrow", "csv")
@@ -31,9 +31,9 @@ AGAIN = """
 import json, sys, time
 sys.path[:] = {path!r}
 from {package}.benchmarks.released_sampler import peak
-from {package}.cli import answer
-from {package}.inference.batch.evaluate.sampling import Batch
-from {package}.inference.batch.jobs import lines
+from {package}.cli import run_command_line
+from {package}.inference.batch.block_rejection import Batch
+from {package}.inference.batch.jobs import scene_lines as lines
 Batch.compiling = lines.COMPILE = lines.PACE_KNOWN = 0.0
 draw, drawing = Batch.block, 0.0
 def timed(*given, **named):
@@ -46,7 +46,7 @@ def timed(*given, **named):
 Batch.block = timed
 for line in sys.stdin:
     begun, drawing = time.process_time(), 0.0
-    code = answer(json.loads(line))
+    code = run_command_line(json.loads(line))
     print(json.dumps([code, time.process_time() - begun, drawing, peak()]), flush=True)
 """
 """Answers command lines, each a list on a line of its own; what can be compiled is compiled at once."""
@@ -158,4 +158,4 @@ def main() -> None:
     """The process; the task is its argument."""
     task = WritingTask(**json.loads(sys.argv[1]))
     with tempfile.TemporaryDirectory() as folder, Commands(task, folder) as commands:
-        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(commands.cost).sample))
+        answer_sample_requests(lambda: ({"numbers": numbers_of(task)}, TimedCommand(commands.cost).sample))

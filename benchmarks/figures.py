@@ -70,11 +70,11 @@ class Cell:
         found: dict[str, object] = {"program": self.program, "implementation": self.contender}
         if self.samples:
             found |= {
-                "scenes per second": {"median": rounded(self.rate), "min": rounded(min(self.rates)), "max": rounded(max(self.rates))},
-                "attempts per scene": rounded(self.attempts), "prepare seconds": rounded(self.prepare),
-                "prepare parts": {name: rounded(value) for name, value in self.ready.get("parts", {}).items()},
-                "peak MiB": rounded(self.peak), "scenes per block": self.samples[-1].get("block", 1),
-                "samples": [{k: rounded(s[k]) if k in TIMES else s[k] for k in KEPT if k in s} for s in self.samples],
+                "scenes per second": {"median": round_figure(self.rate), "min": round_figure(min(self.rates)), "max": round_figure(max(self.rates))},
+                "attempts per scene": round_figure(self.attempts), "prepare seconds": round_figure(self.prepare),
+                "prepare parts": {name: round_figure(value) for name, value in self.ready.get("parts", {}).items()},
+                "peak MiB": round_figure(self.peak), "scenes per block": self.samples[-1].get("block", 1),
+                "samples": [{k: round_figure(s[k]) if k in TIMES else s[k] for k in KEPT if k in s} for s in self.samples],
             }
             if "numbers" in self.ready:
                 found["numbers per scene"] = self.ready["numbers"]
@@ -102,8 +102,8 @@ class WritingCost:
     def json(self) -> dict[str, object]:
         """All figures."""
         return {
-            "drawing us/scene": rounded(1e6 * self.drawing), "writing us/scene": rounded(1e6 * self.writing), "writing/drawing": rounded(self.share),
-            "ns per number": rounded(self.per_number),
+            "drawing us/scene": round_figure(1e6 * self.drawing), "writing us/scene": round_figure(1e6 * self.writing), "writing/drawing": round_figure(self.share),
+            "ns per number": round_figure(self.per_number),
         }
 
 
@@ -158,22 +158,22 @@ class Figures:
 
     def json(self, options: Mapping[str, object]) -> dict[str, object]:
         """All of it, with the machine that it was measured on."""
-        cells = [cell.json() | {"ratio": rounded(self.ratio(cell))} | (w.json() if (w := self.writing(cell)) else {}) for cell in self.cells]
+        cells = [cell.json() | {"ratio": round_figure(self.ratio(cell))} | (w.json() if (w := self.writing(cell)) else {}) for cell in self.cells]
         cells = [{name.replace("scenes", self.what): value for name, value in cell.items()} for cell in cells]
         return {
             "schema": SCHEMA, "versions": versions(), "machine": machine(), "load": self.load, "options": dict(options),
             "interrupted": self.interrupted, "ratios to": self.standard, "counted": self.what,
-            "geometric means": {name: {"ratio": rounded(mean), "programs": count} for name, (mean, count) in self.means().items()},
+            "geometric means": {name: {"ratio": round_figure(mean), "programs": count} for name, (mean, count) in self.means().items()},
             "cells": cells, "growth": {name: [cell.json() for cell in found] for name, found in self.growth.items()},
         }
 
 
-def rounded(value: float | None) -> float | None:
+def round_figure(value: float | None) -> float | None:
     """Six significant digits."""
     return None if value is None or not math.isfinite(value) else float(f"{value:.6g}")
 
 
-def load() -> tuple[float, ...]:
+def load_averages() -> tuple[float, ...]:
     """How many processes waited for a processor in the last 1, 5 and 15 minutes, where the system tells."""
     return tuple(round(x, 2) for x in os.getloadavg()) if hasattr(os, "getloadavg") else ()
 
@@ -205,7 +205,7 @@ def processor() -> str:
     return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.processor())
 
 
-def fitted(points: Iterable[tuple[float, float]]) -> float | None:
+def fit_exponent(points: Iterable[tuple[float, float]]) -> float | None:
     """The exponent p of the power law cost = c · size^p that fits best, on logarithms; None for fewer than two points."""
     logs: Sequence[tuple[float, float]] = [(math.log(x), math.log(y)) for x, y in points if x > 0 and y > 0]
     if len(logs) < 2:

@@ -36,7 +36,7 @@ def on_one_thread() -> Mapping[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredProgram:
-    """A program to be measured; `released` is the same program for released implementations, if there is one."""
+    """A program to be measured; `parse_release` is the same program for released implementations, if there is one."""
 
     name: str
     path: str
@@ -136,7 +136,7 @@ class Contender(Protocol):
         ...
 
 
-def released(text: str) -> Released:
+def parse_release(text: str) -> Released:
     """A `--against`, checked: the environment is there and holds that version. Raises `UsageError`."""
     match = FORM.fullmatch(text)
     if match is None:

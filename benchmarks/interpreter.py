@@ -15,7 +15,7 @@ import scenic_ref
 from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
 
 
-def measure(path: Path, n: int) -> dict[str, object]:
+def measure_interpreter(path: Path, n: int) -> dict[str, object]:
     """Seconds of the processor, attempts and steps for `n` scenes of a program; loading and the rehearsal run are not counted."""
     scenario = scenic_ref.load(path)
     scenario.sampled(seed=0, index=n)
@@ -40,7 +40,7 @@ def main() -> None:
     options = parser.parse_args()
     rows = []
     for path in gallery():
-        rows.append(measure(path, options.n))
+        rows.append(measure_interpreter(path, options.n))
         if len(rows) == 1:
             print_head(list(rows[0]))
         print_row(list(rows[-1].values()))

@@ -11,9 +11,9 @@ from pathlib import Path
 from ..interpreter.runtime.optional_packages import is_installed
 from ..semantics.store.errors import UsageError
 from .end_to_end import FORMATS, NEED_ARROW, RunToFile
-from .figures import Cell, Figures, load
+from .figures import Cell, Figures, load_averages
 from .growth import WHAT, contenders, programs
-from .implementations import Contender, MeasuredProgram, Ours, OursOverTime, Released, released
+from .implementations import Contender, MeasuredProgram, Ours, OursOverTime, Released, parse_release
 from .processes import Process
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
@@ -48,14 +48,14 @@ class CourseRequest:
         return found | {"end to end": self.end_to_end} | ({} if self.steps is None else {"steps": self.steps})
 
 
-def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> Figures:
+def measure_request(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> Figures:
     """Measure all that is requested, and return the figures; `finish` gets them, after Ctrl-C those that there are.
 
     Raises `UsageError` before anything is measured, and `KeyboardInterrupt` after `finish`.
     """
     todo = programs_of(request)
     with tempfile.TemporaryDirectory() as directory:
-        others = [released(text).at(Path(directory), request.steps) for text in request.against]
+        others = [parse_release(text).at(Path(directory), request.steps) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
         numba, torch, arrow = is_installed("numba"), is_installed("torch"), is_installed("pyarrow")
@@ -64,7 +64,7 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
                 tell(missing)
         rivals: list[Contender] = [*own(request, numba, torch, arrow), *others]
         standard = others[0].name if others else rivals[0].name
-        figures = Figures(tuple(r.name for r in rivals), standard, load={"before": load()}, what="scenes" if request.steps is None else "time steps")
+        figures = Figures(tuple(r.name for r in rivals), standard, load={"before": load_averages()}, what="scenes" if request.steps is None else "time steps")
         try:
             for number, program in enumerate(todo, 1):
                 tell(f"[{number}/{len(todo)}] {program.name}")
@@ -73,7 +73,7 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
                 measure_growth(Path(directory), numba, request, figures, tell)
         except KeyboardInterrupt:
             figures.interrupted = True
-        figures.load["after"] = load()
+        figures.load["after"] = load_averages()
         finish(figures)
         if figures.interrupted:
             raise KeyboardInterrupt
@@ -84,7 +84,7 @@ def own(request: CourseRequest, numba: bool, torch: bool, arrow: bool) -> Iterat
     """The backends of this package that are measured."""
     if request.steps is not None:
         return (OursOverTime(backend, request.steps) for backend in ("interpreter", "compiled"))
-    return written(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)
+    return file_contenders(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)
 
 
 def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:
@@ -98,7 +98,7 @@ def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:
             yield Ours("torch")
 
 
-def written(numba: bool, arrow: bool, formats: Sequence[str]) -> Iterator[Contender]:
+def file_contenders(numba: bool, arrow: bool, formats: Sequence[str]) -> Iterator[Contender]:
     """The fastest backend, which draws only, and the command with a file in each of the formats that can be written here."""
     yield Ours("numba" if numba else "numpy")
     yield from (RunToFile(format) for format in formats if arrow or format not in NEED_ARROW)

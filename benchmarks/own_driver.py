@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 
 from ..api import Scenario, load
 from ..simulators.loop import Failed
-from .own_sampler import Sample, serve
+from .own_sampler import Sample, answer_sample_requests
 from .released_sampler import peak
 
 
@@ -69,4 +69,4 @@ def ready(task: DrivingTask) -> tuple[dict[str, object], Sample]:
 def main() -> None:
     """The process; the task is its argument."""
     task = DrivingTask(**json.loads(sys.argv[1]))
-    serve(lambda: ready(task))
+    answer_sample_requests(lambda: ready(task))

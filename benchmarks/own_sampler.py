@@ -78,7 +78,7 @@ def prepare(task: SamplingTask) -> tuple[Draw, dict[str, float]]:
         scenario = scenario.pruned()
     times.append(time.process_time())
     if task.backend == "interpreter":
-        return one_by_one(scenario, task.seed), spent(times, "load", "prune")
+        return one_by_one(scenario, task.seed), seconds_by_part(times, "load", "prune")
     batch = scenario.batch
     times.append(time.process_time())
     if batch is None:
@@ -93,10 +93,10 @@ def prepare(task: SamplingTask) -> tuple[Draw, dict[str, float]]:
     draw = by_blocks(batch, task.seed)
     draw(0, 1)
     times.append(time.process_time())
-    return draw, spent(times, "load", "prune", "trace", "compile" if task.backend == "numba" else "first")
+    return draw, seconds_by_part(times, "load", "prune", "trace", "compile" if task.backend == "numba" else "first")
 
 
-def spent(times: list[float], *names: str) -> dict[str, float]:
+def seconds_by_part(times: list[float], *names: str) -> dict[str, float]:
     """The seconds of each part between points in time."""
     return {name: after - before for name, before, after in zip(names, times, times[1:])}
 
@@ -140,7 +140,7 @@ def ready(task: SamplingTask) -> tuple[dict[str, object], Sample]:
     return {"prepare": sum(times.values()), "parts": times}, TimedSampler(draw, task.backend != "interpreter").sample
 
 
-def serve(begin: Callable[[], tuple[dict[str, object], Sample]]) -> None:
+def answer_sample_requests(begin: Callable[[], tuple[dict[str, object], Sample]]) -> None:
     """Say that it is ready, then answer the lines of standard input; or why it is skipped."""
     out = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what the program prints is not an answer
@@ -162,4 +162,4 @@ def serve(begin: Callable[[], tuple[dict[str, object], Sample]]) -> None:
 def main() -> None:
     """The process; the task is its argument."""
     task = SamplingTask(**json.loads(sys.argv[1]))
-    serve(lambda: ready(task))
+    answer_sample_requests(lambda: ready(task))

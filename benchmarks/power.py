@@ -81,12 +81,12 @@ def nulls(count: int = 10_000, scenes: int = 1_600, alpha: float = 0.01) -> dict
     """False alarms in `count` comparisons of samples of one distribution."""
     source = np.random.Generator(np.random.Philox(2026))
     begun = time.process_time()
-    alarms = sum(compare(_drawn(source, scenes), _drawn(source, scenes), alpha=alpha).kind == "different" for _ in range(count))
+    alarms = sum(compare(_synthetic_scenes(source, scenes), _synthetic_scenes(source, scenes), alpha=alpha).kind == "different" for _ in range(count))
     seconds = round(time.process_time() - begun)
     return {"comparisons": count, "scenes of each side": scenes, "alpha": alpha, "false alarms": alarms, "seconds": seconds}
 
 
-def _drawn(source: np.random.Generator, n: int) -> FeatureTable:
+def _synthetic_scenes(source: np.random.Generator, n: int) -> FeatureTable:
     """Scenes with continuous, discrete, circular, dependent and rare features."""
     x, y, turn = source.random(n), source.normal(size=n), source.uniform(-math.pi, math.pi, n)
     columns = {

@@ -35,7 +35,7 @@ def attempts(start: Callable[[], Config], pruning: Pruning | None, n: int) -> tu
     return float(counts.mean()), float(counts.std() / np.sqrt(n))
 
 
-def measure(name: str, scenario: Scenario, n: int) -> dict[str, object]:
+def measure_pruning(name: str, scenario: Scenario, n: int) -> dict[str, object]:
     """One row of the table."""
     recorded = record(scenario.start, FUEL)
     row: dict[str, object] = {"program": name, "scenes": n, "without": attempts(scenario.start, None, n)}
@@ -51,7 +51,7 @@ def measure(name: str, scenario: Scenario, n: int) -> dict[str, object]:
     return row
 
 
-def shown(cell: object) -> str:
+def format_mean(cell: object) -> str:
     """A mean with its standard error."""
     return f"{cell[0]:.4g} ± {cell[1]:.1g}" if isinstance(cell, tuple) else str(cell)
 
@@ -69,8 +69,8 @@ def main() -> None:
     programs = {path.stem: scenic_ref.load(path) for path in gallery()}
     programs |= {name: scenic_ref.loads(text) for name, text in NARROW.items()}
     for name, scenario in programs.items():
-        rows.append(measure(name, scenario, options.slow if name == "mars_bottleneck" else options.n))
-        print_row([shown(rows[-1][column]) for column in columns])
+        rows.append(measure_pruning(name, scenario, options.slow if name == "mars_bottleneck" else options.n))
+        print_row([format_mean(rows[-1][column]) for column in columns])
     save(options.o, rows)
 
 

@@ -66,7 +66,7 @@ def rejection(scenario: Scenario) -> float:
     return runs / (time.process_time() - begun)
 
 
-def factorised(scenario: Scenario) -> tuple[float, int]:
+def measure_pruned_rejection(scenario: Scenario) -> tuple[float, int]:
     """Scenes for a second of the processor with `--prune`, and how many there were; as many as come in about 20 seconds.
 
     A scene that takes too many attempts is given up, which does not change how often scenes come.
@@ -81,7 +81,7 @@ def factorised(scenario: Scenario) -> tuple[float, int]:
     return found / (time.process_time() - begun), found
 
 
-def measure(name: str, text: str, n: int, repetitions: int) -> dict[str, object]:
+def measure_rare_event(name: str, text: str, n: int, repetitions: int) -> dict[str, object]:
     """One row of the table."""
     scenario = scenic_ref.loads(text)
     row: dict[str, object] = {"program": name}
@@ -96,7 +96,7 @@ def measure(name: str, text: str, n: int, repetitions: int) -> dict[str, object]
     row["intervals with it"] = sum(bool(f.acceptance.low <= estimates.mean() <= f.acceptance.high) for f in reports["smc"])
     row["runs /s"] = rejection(scenario)
     row["rejection /s"] = row["runs /s"] * row["acceptance"]  # type: ignore[operator]
-    row["factorised /s"], row["factorised scenes"] = factorised(scenario)
+    row["factorised /s"], row["factorised scenes"] = measure_pruned_rejection(scenario)
     row["smc : rejection"] = row["smc /s"] / row["rejection /s"]  # type: ignore[operator]
     row["mcmc : rejection"] = row["mcmc /s"] / row["rejection /s"]  # type: ignore[operator]
     row["seconds of smc"] = float(np.median([f.seconds for f in reports["smc"]]))
@@ -115,7 +115,7 @@ def main() -> None:
     rows: list[dict[str, object]] = []
     for name, text in PROGRAMS.items():
         if any(part in name for part in options.only):
-            rows.append(measure(name, text, options.n, options.repetitions))
+            rows.append(measure_rare_event(name, text, options.n, options.repetitions))
             if len(rows) == 1:
                 print_head(list(rows[0]))
             print_row([f"{cell:.3g}" if isinstance(cell, float) else cell for cell in rows[-1].values()])

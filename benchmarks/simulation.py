@@ -57,7 +57,7 @@ BEHAVIORS = {"simple": "Go", "nested": "Nested"}
 
 
 @contextmanager
-def timed(owner: Any, name: str) -> Iterator[Callable[[], float]]:
+def time_method(owner: Any, name: str) -> Iterator[Callable[[], float]]:
     """What the calls of a method of this class or object take in all, in seconds of the processor."""
     method = getattr(owner, name)
     spent = 0.0
@@ -94,7 +94,7 @@ def row_of(seconds: Sequence[float], count: int) -> Row:
     return Row(*(round(x, 2) for x in (statistics.median(each), min(each), max(each))))
 
 
-def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int, against: Mapping[str, str]) -> dict[str, object]:
+def measure_simulation(simulator: str, agents: int, behavior: str, steps: int, repeat: int, against: Mapping[str, str]) -> dict[str, object]:
     """One row of the table."""
     text = program(agents, behavior)
     scenario = scenic_ref.loads(text)
@@ -111,7 +111,7 @@ def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int,
             done = subprocess.run([python, str(RELEASED), str(steps), simulator], input=text, check=True, capture_output=True, text=True)
             turns[name].append(json.loads(done.stdout))
         inner = by_name(simulator)
-        with timed(CompiledPolicy, "__call__") as policy, timed(inner, "step") as inner_step:
+        with time_method(CompiledPolicy, "__call__") as policy, time_method(inner, "step") as inner_step:
             seconds_of(scenario, inner, 0, "compiled")
             alone = policy()
             seconds_of(scenario, inner, steps, "compiled")
@@ -136,7 +136,7 @@ def first_step(agents: int, behavior: str, repeat: int) -> dict[str, object]:
     return {"behavior": behavior, "agents": agents, **rows, "compiled / interpreter": round(ratio, 2)}
 
 
-def shown(rows: Iterable[dict[str, object]]) -> list[dict[str, object]]:
+def print_rows(rows: Iterable[dict[str, object]]) -> list[dict[str, object]]:
     """The rows of a table, each printed when it is there."""
     table: list[dict[str, object]] = []
     for row in rows:
@@ -170,11 +170,11 @@ def main() -> None:
     parser.add_argument("--simulators", nargs="+", default=list(SIMULATORS), choices=SIMULATORS)
     options = parser.parse_args()
     against = dict(one.split("=", 1) for one in options.against)
-    rows = shown(
-        measure(s, n, b, options.steps, options.repeat, against if s != "pymunk" else {})
+    rows = print_rows(
+        measure_simulation(s, n, b, options.steps, options.repeat, against if s != "pymunk" else {})
         for s in options.simulators for b in BEHAVIORS for n in (2, 10, 50)
     )  # fmt: skip
-    first = shown(first_step(n, b, 3 * options.repeat) for b in BEHAVIORS for n in (1, 2, 10))
+    first = print_rows(first_step(n, b, 3 * options.repeat) for b in BEHAVIORS for n in (1, 2, 10))
     save(options.o, rows, steps=options.steps, first=first)
 
 

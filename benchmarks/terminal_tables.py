@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from statistics import geometric_mean
 from typing import TYPE_CHECKING
 
-from .figures import Cell, Figures, fitted
+from .figures import Cell, Figures, fit_exponent
 from .growth import WHAT
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ NARROWEST = 140
 """Columns of the output where no terminal says how many there are."""
 
 
-def show(figures: Figures) -> None:
+def print_tables(figures: Figures) -> None:
     """All tables, on standard output."""
     from rich.console import Console
 
@@ -64,7 +64,7 @@ def row(cell: Cell) -> tuple[str, ...]:
     if not cell.samples:
         return ("-",) * 6
     least, most = min(cell.rates), max(cell.rates)
-    return (*(short(x) for x in (cell.rate, least, most, cell.attempts, cell.prepare)), short(cell.peak, digits=3))
+    return (*(format_digits(x) for x in (cell.rate, least, most, cell.attempts, cell.prepare)), format_digits(cell.peak, digits=3))
 
 
 def table_of_means(figures: Figures) -> Table:
@@ -83,11 +83,11 @@ def table_of_writing(figures: Figures) -> Table:
     for cell in figures.cells:
         if (found := figures.writing(cell)) is not None:
             row = (1e6 * found.drawing, 1e6 * found.writing, found.share, found.numbers, found.per_number)
-            table.add_row(cell.program, cell.contender, *(short(x, digits=3) for x in row))
+            table.add_row(cell.program, cell.contender, *(format_digits(x, digits=3) for x in row))
             shares.setdefault(cell.contender, []).append(found.share)
     table.add_section()
     for name, found in shares.items():
-        table.add_row("geometric mean", name, "-", "-", short(geometric_mean(max(share, 1e-3) for share in found), digits=3), "-", "-")
+        table.add_row("geometric mean", name, "-", "-", format_digits(geometric_mean(max(share, 1e-3) for share in found), digits=3), "-", "-")
     return table
 
 
@@ -97,17 +97,17 @@ def table_of_growth(kind: str, cells: Sequence[Cell]) -> Table:
     table = empty_table(f"growth with the number of {WHAT[kind]}", (kind, "implementation"), numbers)
     for cell in cells:
         if cell.rate is None or cell.attempts is None:
-            table.add_row(f"{size_of(cell):,}", cell.contender, *("-",) * 5)
+            table.add_row(f"{growing_size(cell):,}", cell.contender, *("-",) * 5)
             continue
         cost = 1e6 / cell.rate
         figures = (cost, cost / cell.attempts, cell.attempts, cell.ready.get("prepare"))
-        table.add_row(f"{size_of(cell):,}", cell.contender, *(short(x) for x in figures), short(cell.peak, digits=3))
+        table.add_row(f"{growing_size(cell):,}", cell.contender, *(format_digits(x) for x in figures), format_digits(cell.peak, digits=3))
     table.caption = "; ".join(f"{name}: cost of an attempt ~ {kind}^{power:.2f}" for name, power in powers(cells).items())
     table.caption_justify = "left"
     return table
 
 
-def size_of(cell: Cell) -> int:
+def growing_size(cell: Cell) -> int:
     """The number of objects or polygons of a program that grows."""
     return int(cell.program.partition("_")[0])
 
@@ -116,8 +116,8 @@ def powers(cells: Sequence[Cell]) -> dict[str, float]:
     """For each implementation the power of the size that the cost of an attempt grows with."""
     found = {}
     for name in dict.fromkeys(cell.contender for cell in cells):
-        points = [(size_of(c), 1 / (c.rate * c.attempts)) for c in cells if c.contender == name and c.rate and c.attempts]
-        power = fitted(points)
+        points = [(growing_size(c), 1 / (c.rate * c.attempts)) for c in cells if c.contender == name and c.rate and c.attempts]
+        power = fit_exponent(points)
         if power is not None:
             found[name] = power
     return found
@@ -135,7 +135,7 @@ def load_line(figures: Figures) -> str:
     return f"load average (1, 5, 15 minutes): {', '.join(shown)}" if shown else ""
 
 
-def short(value: float | None, digits: int = 4) -> str:
+def format_digits(value: float | None, digits: int = 4) -> str:
     """A number with `digits` significant digits, and commas."""
     if value is None:
         return "-"
@@ -144,4 +144,4 @@ def short(value: float | None, digits: int = 4) -> str:
 
 def times(ratio: float | None) -> str:
     """A ratio."""
-    return "-" if ratio is None else f"{short(ratio, digits=3)}x"
+    return "-" if ratio is None else f"{format_digits(ratio, digits=3)}x"

@@ -52,7 +52,7 @@ def main() -> None:
     supervise(sys.argv[1:])
     warnings.filterwarnings("ignore", category=RuntimeWarning, module="shapely")  # what overflows there is far away, and the answer says so
     try:
-        code = answer(sys.argv[1:])
+        code = run_command_line(sys.argv[1:])
     except KeyboardInterrupt:
         print(interruption(sys.argv[1:]), file=sys.stderr)
         code = INTERRUPTED
@@ -66,7 +66,7 @@ def open_wall() -> None:
         walls.WALL.open()
 
 
-def answer(arguments: list[str]) -> int:
+def run_command_line(arguments: list[str]) -> int:
     """The exit code of a command line; its messages go to standard output and standard error."""
     from .session import Session
 
@@ -89,7 +89,7 @@ def answer(arguments: list[str]) -> int:
     except BrokenPipeError:
         session.hang_up()
     except Exception as error:  # the outermost place: everything that went wrong is told here
-        from .error_messages import report
+        from .error_messages import report_error
 
-        return report(error, session)
+        return report_error(error, session)
     return 0

@@ -106,17 +106,17 @@ def portions(
     parts = pace.parts(job.start, job.stop)
     asked = (PortionJob(job._replace(start=first, stop=stop), form, looked, (job.stop - stop) // count) for first, stop in parts)
     if workers is None:
-        yield from paced((draw_portion(drawing, part) for part in asked), pace)
+        yield from pace_portions((draw_portion(drawing, part) for part in asked), pace)
         return
     with workers as several, Shelf() as shelf:
         if several.here and form == "lines":
             asked = (part._replace(place=shelf.lend()) for part in asked)
-        for portion in paced(several.draw(work_on_portion, asked), pace):
+        for portion in pace_portions(several.draw(work_on_portion, asked), pace):
             yield portion._replace(lines=shelf.read(portion.laid)) if portion.laid else portion
             shelf.put_back()
 
 
-def paced(found: Iterator[Portion], pace: Pace) -> Iterator[Portion]:
+def pace_portions(found: Iterator[Portion], pace: Pace) -> Iterator[Portion]:
     """The portions, those still to come being as large as these were quick."""
     for portion in found:
         pace.took(len(portion.attempts), portion.seconds)

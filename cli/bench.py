@@ -71,7 +71,7 @@ def bench(
     Exit codes: 0, 1 if nothing could be measured of a program, 2 wrong usage.
     """
     from ..benchmarks.end_to_end import FORMATS
-    from ..benchmarks.measurement import CourseRequest, measure
+    from ..benchmarks.measurement import CourseRequest, measure_request
     from ..semantics.store.errors import UsageError
     from .session import tell
 
@@ -95,7 +95,7 @@ def bench(
         tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS),
         steps if simulate else None,
     )
-    figures = measure(request, tell, lambda figures: finish(figures, request, output, plot))
+    figures = measure_request(request, tell, lambda figures: finish(figures, request, output, plot))
     if unmeasured := figures.unmeasured():
         tell(f"nothing could be measured of {', '.join(unmeasured)}")
         raise typer.Exit(1)
@@ -116,13 +116,13 @@ def check_outputs(programs: Sequence[str], output: str | None, plot: str | None)
 
 def finish(figures: Figures, request: CourseRequest, output: str | None, plot: str | None) -> None:
     """The tables on standard output, the files."""
-    from ..benchmarks.terminal_tables import show
+    from ..benchmarks.terminal_tables import print_tables
     from .output_paths import write
     from .session import tell
 
     if figures.interrupted:
         tell("interrupted: these figures are what was measured so far")
-    show(figures)
+    print_tables(figures)
     if output is not None:
         write(output, json.dumps(figures.json(request.json()), indent=1) + "\n")
     if plot is not None and any(cell.rate is not None for cell in figures.cells):

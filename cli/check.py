@@ -96,7 +96,7 @@ def check(
     inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.store.errors import UsageError
-    from .session import escaped
+    from .session import escape_controls
 
     session = context.obj
     session.seed = seed
@@ -115,8 +115,8 @@ def check(
     if strict or form != "text":
         raise UsageError("--strict and --format are about the program alone: they cannot be given with --samples", hint="--report writes a page")
     asked = Compared(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
-    verdict = compared(source, asked, report, junit)
-    print(escaped(str(verdict)))
+    verdict = compare_samples(source, asked, report, junit)
+    print(escape_controls(str(verdict)))
     raise typer.Exit(EXIT_CODES[verdict.kind])
 
 
@@ -140,9 +140,9 @@ class Compared(NamedTuple):
     workers: int
 
 
-def compared(source: Source, asked: Compared, report: str | None, junit: str | None) -> Verdict:
+def compare_samples(source: Source, asked: Compared, report: str | None, junit: str | None) -> Verdict:
     """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
-    from ..testing.judge import judged
+    from ..testing.judge import judge_samples
     from .check_reports import check_report_paths, write_junit, write_page
     from .reference_scenes import References, replay_of
 
@@ -150,7 +150,7 @@ def compared(source: Source, asked: Compared, report: str | None, junit: str | N
     read = {"the program itself": source.file, "the file of samples": samples, "the file of references": reference}
     check_report_paths(report, junit, read)
     replay = replay_of(source, samples, reference, asked.alpha, asked.detect_tv, asked.seed, asked.tolerance, asked.ignore, asked.mapped)
-    verdict = judged(
+    verdict = judge_samples(
         samples, source.load(), alpha=asked.alpha, detect_tv=asked.detect_tv, seed=asked.seed, tolerance=asked.tolerance, ignore=asked.ignore,
         map=asked.mapped, reference=reference, draw=lambda total: References(source, asked.workers, total), replay=replay,
     )  # fmt: skip

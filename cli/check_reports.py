@@ -48,7 +48,7 @@ def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> Non
             lines="".join(f"<p>{escape(line)}</p>" for line in verdict.lines()),
             expected="the exact law" if verdict.exact else "scenes of the program",
             skipped=escape(f"Not compared, since only one side has them: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
-            features="\n".join(_drawn(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
+            features="\n".join(_feature_chart(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
         ),
     )
 
@@ -60,7 +60,7 @@ def _row(feature: Feature) -> str:
     )
 
 
-def _drawn(feature: Feature) -> str:
+def _feature_chart(feature: Feature) -> str:
     """One feature: the frequencies of its cells, side by side, with the axis of the shares and the labels of the cells."""
     a, b = sum(feature.counts) or 1.0, sum(feature.others) or 1.0
     cells = [(label, x / a, y / b) for label, x, y in zip(feature.labels, feature.counts, feature.others, strict=True) if x or y]

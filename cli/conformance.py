@@ -55,21 +55,21 @@ def conformance(
     from ..conformance.reports import all_passed
     from .conformance_results import Kept, judge_another
 
-    chosen = selected(load_vectors(), chapter, vector)
+    chosen = select_vectors(load_vectors(), chapter, vector)
     check_dialect(dialect)
     kept = Kept(known, results, against, output)
     kept.check(impl)
     if impl is not None:
         expected = kept.read()
-        with opened(impl, seconds) as other:
-            found = list(judged(other, chosen, dialect, seed))
+        with open_implementation(impl, seconds) as other:
+            found = list(judge_vectors(other, chosen, dialect, seed))
             raise typer.Exit(0 if judge_another(impl, other, found, expected, kept, verbose) else 1)
     implementation = Ourselves()
-    found = list(judged(implementation, chosen, dialect, seed))
+    found = list(judge_vectors(implementation, chosen, dialect, seed))
     if output is not None:
         write_report(output, implementation.name, found)
     if output != "-":
-        show(found)
+        show_by_chapter(found)
         for result in found:
             if verbose or result.verdict.status in WRONG:
                 print("\n".join(lines_of(result)))
@@ -78,7 +78,7 @@ def conformance(
         raise typer.Exit(1)
 
 
-def opened(impl: str, seconds: float) -> External:
+def open_implementation(impl: str, seconds: float) -> External:
     """The implementation that the option names, which has said its name. Raises `UsageError`."""
     from ..conformance.implementations.environments import implementation
     from ..conformance.implementations.line_process import ImplementationFault
@@ -95,7 +95,7 @@ def opened(impl: str, seconds: float) -> External:
     return other
 
 
-def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:
+def select_vectors(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:
     """The vectors that were asked for. Raises `UsageError` if there are none."""
     from ..semantics.store.errors import UsageError
 
@@ -123,7 +123,7 @@ def check_dialect(dialect: str | None) -> None:
     choose("", dialect)
 
 
-def judged(implementation: Implementation, vectors: Sequence[ConformanceVector], dialect: str | None, seed: int) -> Iterator[Result]:
+def judge_vectors(implementation: Implementation, vectors: Sequence[ConformanceVector], dialect: str | None, seed: int) -> Iterator[Result]:
     """The results, one after the other, with a progress bar on a terminal."""
     from ..conformance import judge
 
@@ -145,17 +145,17 @@ def judged(implementation: Implementation, vectors: Sequence[ConformanceVector],
 
 def write_report(path: str, name: str, results: Sequence[Result]) -> None:
     """The JSON report. Raises `UsageError` if the file cannot be written."""
-    from ..conformance.reports import report
+    from ..conformance.reports import report_json
     from .output_paths import write
 
-    text = json.dumps(report(name, results), ensure_ascii=False, indent=2)
+    text = json.dumps(report_json(name, results), ensure_ascii=False, indent=2)
     if path == "-":
         print(text)
     else:
         write(path, text + "\n")
 
 
-def show(results: Sequence[Result]) -> None:
+def show_by_chapter(results: Sequence[Result]) -> None:
     """The table by chapter."""
     from ..conformance.reports import by_chapter
 

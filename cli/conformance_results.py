@@ -49,28 +49,28 @@ class Kept(NamedTuple):
         """What the files say that are read; the differences that ship if there is no other list. Raises `UsageError`."""
         from pathlib import Path
 
-        from ..conformance.known_differences import differences_at, shipped
+        from ..conformance.known_differences import differences_at, shipped_differences
         from ..conformance.results import lines_at
 
-        known = shipped() if self.known is None else differences_at(Path(self.known))
+        known = shipped_differences() if self.known is None else differences_at(Path(self.known))
         return Expected(known, None if self.against is None else lines_at(Path(self.against)))
 
 
 def judge_another(impl: str, other: External, results: Sequence[Result], expected: Expected, kept: Kept, verbose: bool) -> bool:
     """Show the results, write what is to be written; whether everything is as it is known to be. Raises `UsageError`."""
-    from ..conformance.known_differences import beside
-    from ..conformance.results import changes, text_of
-    from .conformance import show, write_report
+    from ..conformance.known_differences import judge_known_differences
+    from ..conformance.results import changes, results_text
+    from .conformance import show_by_chapter, write_report
     from .output_paths import write
 
-    found = beside(other.name, results, expected.known)
+    found = judge_known_differences(other.name, results, expected.known)
     changed = changes(expected.before or {}, results)
     if kept.results is not None:
-        write(kept.results, text_of(other.name, results))
+        write(kept.results, results_text(other.name, results))
     if kept.report is not None:
         write_report(kept.report, other.name, results)
     if kept.report != "-":
-        show(results)
+        show_by_chapter(results)
         tell(impl, other, results if verbose else found.new, found, changed)
     only_changes = expected.before is not None and kept.known is None
     return not changed and (only_changes or found.as_expected)
@@ -78,7 +78,7 @@ def judge_another(impl: str, other: External, results: Sequence[Result], expecte
 
 def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, changed: Sequence[str]) -> None:
     """What is known, what is new, what is stale, and what changed; the listed vectors with their verdicts."""
-    from ..conformance.diff.explanations import explained
+    from ..conformance.diff.explanations import explain_failure
     from .conformance import lines_of
 
     if found.known:
@@ -86,7 +86,7 @@ def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, ch
         print(f"known differences of {other.name}: {', '.join(f'{count} {class_}' for class_, count in classes.most_common())}")
     for result in listed:
         print("\n".join(lines_of(result, impl, other.dialects[0])))
-        readings = explained(result.vector, result.dialect, result.verdict.reason, other.profile) if result in found.new and other.profile else None
+        readings = explain_failure(result.vector, result.dialect, result.verdict.reason, other.profile) if result in found.new and other.profile else None
         if readings:
             print(f"    the same as under {', '.join(f'{id} = {alternative}' for id, alternative in readings.items())}")
     if found.new:

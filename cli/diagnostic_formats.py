@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from .. import __version__
-from ..api.diagnostics import Diagnostic, checked, of_error, of_warning, record
+from ..api.diagnostics import Diagnostic, check_and_rehearse, diagnostic_json, of_error, of_warning
 from ..data.scene import in_json, in_utf8
 from ..interpreter.language.lint import KINDS
 from ..semantics.store.errors import ScenicError, UsageError
@@ -18,7 +18,7 @@ from ..semantics.store.suggestions import did_you_mean
 from .error_messages import render, render_warning
 from .progress_bar import running_once
 from .scene_sampler import tell_notes
-from .session import coloured, escaped
+from .session import escape_controls, supports_colour
 
 if TYPE_CHECKING:
     from ..interpreter.language.lint import ProgramWarning
@@ -32,7 +32,7 @@ SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
 def as_json(found: list[Diagnostic]) -> str:
     """One JSON object; lines and columns begin with 1, the end is one past the last character."""
-    return in_json({"schema": SCHEMA, "diagnostics": [record(one) for one in found]}, indent=2)
+    return in_json({"schema": SCHEMA, "diagnostics": [diagnostic_json(one) for one in found]}, indent=2)
 
 
 def as_github(found: list[Diagnostic]) -> str:
@@ -49,13 +49,13 @@ def annotation(one: Diagnostic) -> str:
     if span.line and span.line == span.end_line:
         place |= {"col": span.column, "endColumn": max(span.column, span.end_column - 1)}
     place["title"] = one.kind
-    properties = ",".join(f"{name}={percented(str(value)).replace(':', '%3A').replace(',', '%2C')}" for name, value in place.items())
-    return f"::{one.severity} {properties}::{percented(one.text)}"
+    properties = ",".join(f"{name}={escape_workflow_text(str(value)).replace(':', '%3A').replace(',', '%2C')}" for name, value in place.items())
+    return f"::{one.severity} {properties}::{escape_workflow_text(one.text)}"
 
 
-def percented(text: str) -> str:
+def escape_workflow_text(text: str) -> str:
     """A text as a workflow command holds it."""
-    return in_utf8(escaped(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")))
+    return in_utf8(escape_controls(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")))
 
 
 def as_sarif(found: list[Diagnostic]) -> str:
@@ -102,7 +102,7 @@ def check_program(source: Source, form: str, session: Session, *, strict: bool) 
         known = ["text", *FORMATS]
         raise UsageError(f"there is no format {form}", hint=did_you_mean(form, known, f"the formats are {', '.join(known)}"))
     with running_once(source.fuel):
-        scenario, warnings, error = checked(source.load)
+        scenario, warnings, error = check_and_rehearse(source.load)
     if form == "text":
         if scenario is not None and error is None:
             tell_notes(scenario)
@@ -120,7 +120,7 @@ def diagnostics(warnings: list[ProgramWarning], error: ScenicError | None, file:
 
 def tell_text(warnings: list[ProgramWarning], error: ScenicError | None, session: Session, *, strict: bool) -> None:
     """Messages on standard error, and "ok" on standard output."""
-    colours = coloured(sys.stderr)
+    colours = supports_colour(sys.stderr)
     for warning in warnings:
         print(render_warning(warning, session.texts, colours=colours), file=sys.stderr)
     if error is not None:

@@ -79,7 +79,7 @@ def diff(
     from ..conformance.diff.sequential_diff import DiffSettings
     from ..inference.comparison.comparison import check_settings
     from ..semantics.store.errors import UsageError
-    from .conformance import opened
+    from .conformance import open_implementation
     from .output_paths import check_ending, check_place
 
     check_settings(alpha, detect_tv, None)
@@ -93,20 +93,20 @@ def diff(
     limits = limits_of(limit_memory, limit_seconds)
     settings = DiffSettings(alpha, detect_tv, seed, budget, steps, tuple(ignore or ()))
     found: list[ProgramVerdict] = []
-    with opened(impl, seconds) as other:
+    with open_implementation(impl, seconds) as other:
         try:
-            for place in watched(places):
+            for place in programs_with_progress(places):
                 source = read_source(
                     context.obj, place, profile=profile, reading=reading, dialect=dialect, model=None, param=None, fuel=fuel, trust=trust,
                     limits=limits,
                 )  # fmt: skip
                 asked = program_of(source, other)
-                verdict = differences(asked, other, settings) if not isinstance(asked, str) else unsaid(place, asked)
+                verdict = differences(asked, other, settings) if not isinstance(asked, str) else uncompared_verdict(place, asked)
                 found.append(verdict)
                 if output != "-":
-                    show(verdict)
+                    print_verdict(verdict)
         finally:  # what was found is written whatever happens
-            report(output, found)
+            write_verdicts(output, found)
     if output != "-" and len(places) > 1:
         counts = Counter(verdict.verdict for verdict in found)
         print(", ".join(f"{counts[verdict]} {verdict}" for verdict in ("agree", "differ", "inconclusive", "skipped") if counts[verdict]))
@@ -125,7 +125,7 @@ def programs_in(place: str) -> list[str]:
     return found
 
 
-def watched(places: list[str]) -> Iterator[str]:
+def programs_with_progress(places: list[str]) -> Iterator[str]:
     """The programs, one after the other, with a progress bar on a terminal."""
     if not sys.stderr.isatty():
         yield from places
@@ -197,26 +197,26 @@ def is_beside(file: str, folder: Path) -> bool:
     return Path(file).is_file() and Path(file).resolve().is_relative_to(folder.resolve())
 
 
-def unsaid(place: str, why: str) -> ProgramVerdict:
+def uncompared_verdict(place: str, why: str) -> ProgramVerdict:
     """A program that is not compared."""
     from ..conformance.diff.sequential_diff import ProgramVerdict
 
     return ProgramVerdict(place, "skipped", "unsaid", why)
 
 
-def show(verdict: ProgramVerdict) -> None:
+def print_verdict(verdict: ProgramVerdict) -> None:
     """A verdict in a few lines."""
-    from .session import escaped
+    from .session import escape_controls
 
-    print(escaped(f"{verdict.verdict}: {verdict.program} ({verdict.kind})"))
+    print(escape_controls(f"{verdict.verdict}: {verdict.program} ({verdict.kind})"))
     if verdict.detail:
-        print(escaped(f"    {verdict.detail}"))
+        print(escape_controls(f"    {verdict.detail}"))
     if verdict.reading:
         print(f"    agrees under {', '.join(f'{id} = {alternative}' for id, alternative in verdict.reading.items())}")
     sys.stdout.flush()
 
 
-def report(output: str | None, found: list[ProgramVerdict]) -> None:
+def write_verdicts(output: str | None, found: list[ProgramVerdict]) -> None:
     """The lines of JSON. Raises `UsageError` if they cannot be written."""
     from .output_paths import write
 

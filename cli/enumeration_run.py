@@ -18,7 +18,7 @@ from .options import Source
 from .output_paths import PICTURES, check_ending, check_file, check_place, write
 from .scene_run import rehearse
 from .scene_sampler import drawing_of
-from .session import Session, console, escaped, tell
+from .session import Session, console, escape_controls, tell
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -49,7 +49,7 @@ def produce_enumeration(source: Source, request: EnumerationRequest, session: Se
     if found.discretized is not None:
         tell(f"an approximation: each continuous draw was replaced by {found.discretized:,} equally likely values")
     if request.output is None and sys.stdout.isatty():
-        show(found)
+        show_outcomes(found)
     else:
         text = in_json(found.to_json(), indent=1) + "\n"
         if request.output is None or request.output == "-":
@@ -110,7 +110,7 @@ def check_paths(source: Source, request: EnumerationRequest) -> None:
     check_file("--report", request.report, "reports", (".json",))
 
 
-def varying(found: Enumeration) -> list[Column]:
+def varying_features(found: Enumeration) -> list[Column]:
     """The features in which the outcomes differ: those that stand in a scene, without copies of others."""
     columns: list[Column] = []
     seen: set[tuple[str, ...]] = set()
@@ -122,7 +122,7 @@ def varying(found: Enumeration) -> list[Column]:
     return columns
 
 
-def short(name: str) -> str:
+def short_feature_name(name: str) -> str:
     """A short name of a feature."""
     name = name.replace(".properties.", ".").removeprefix("params.").replace(".position[0]", ".x").replace(".position[1]", ".y")
     return name.replace("objects[", "").replace("].", ".", 1) if name.startswith("objects[") else name
@@ -139,20 +139,20 @@ def fraction(p: Fraction) -> str:
     return f"{text} = {float(p):.4%}" if len(text) <= 24 else f"{float(p):.6%}"
 
 
-def show(found: Enumeration) -> None:
+def show_outcomes(found: Enumeration) -> None:
     """The outcomes as a table: their probabilities, and the features in which they differ."""
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
 
-    columns = varying(found)
+    columns = varying_features(found)
     table = Table(box=SIMPLE_HEAD, caption_justify="left", caption_style="dim")
     table.add_column("probability", justify="right", no_wrap=True)
     table.add_column("", justify="right", no_wrap=True)
     for column in columns[:MOST_COLUMNS]:
-        table.add_column(escape(escaped(short(column.name))), justify="right")
+        table.add_column(escape(escape_controls(short_feature_name(column.name))), justify="right")
     for row, (p, _) in enumerate(found.outcomes[:MOST_ROWS]):
-        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escaped(cell(c, row))) for c in columns[:MOST_COLUMNS]))
+        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escape_controls(cell(c, row))) for c in columns[:MOST_COLUMNS]))
     more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
     more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
     table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None
@@ -163,17 +163,17 @@ def plot(found: Enumeration, path: str, name: str) -> None:
     """The outcomes as bars, the likeliest first. Raises `UsageError`."""
     from ..pictures.scene_figures import bar_chart
 
-    columns = varying(found)[:MOST_COLUMNS]
+    columns = varying_features(found)[:MOST_COLUMNS]
     shown = found.outcomes[:MOST_ROWS]
-    labels = [", ".join(f"{short(c.name)} = {cell(c, row)}" for c in columns) or "the only outcome" for row in range(len(shown))]
+    labels = [", ".join(f"{short_feature_name(c.name)} = {cell(c, row)}" for c in columns) or "the only outcome" for row in range(len(shown))]
     heights = [float(p) for p, _ in shown]
     if len(found.outcomes) > MOST_ROWS:
         labels.append(f"the other {len(found.outcomes) - MOST_ROWS:,} outcomes")
         heights.append(float(sum((p for p, _ in found.outcomes[MOST_ROWS:]), Fraction(0))))
     about = "exact" if found.discretized is None else f"approximate: {found.discretized} values for each continuous draw"
-    write(path, bar_chart(clipped(labels), heights, f"{name}, {about}", format=Path(path).suffix[1:].lower()))
+    write(path, bar_chart(clip_labels(labels), heights, f"{name}, {about}", format=Path(path).suffix[1:].lower()))
 
 
-def clipped(labels: Sequence[str]) -> list[str]:
+def clip_labels(labels: Sequence[str]) -> list[str]:
     """Labels, shortened to leave room for their bars."""
     return [label if len(label) <= 60 else f"{label[:59]}…" for label in labels]

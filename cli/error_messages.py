@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..semantics.store.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
 from ..semantics.store.memory_errors import is_out_of_memory
-from .session import coloured, escaped, tell
+from .session import escape_controls, supports_colour, tell
 
 if TYPE_CHECKING:
     from ..interpreter.language.lint import ProgramWarning
@@ -26,7 +26,7 @@ WORST = 5
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
-def report(error: Exception, session: Session) -> int:
+def report_error(error: Exception, session: Session) -> int:
     """Report an error on standard error; gives the exit code."""
     if session.debug:
         tell("".join(traceback.format_exception(error)).rstrip())
@@ -36,7 +36,7 @@ def report(error: Exception, session: Session) -> int:
     if is_out_of_memory(error):
         error = RunError("this needs more memory than there is", hint="--limit-memory allows more, if the machine has it")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
-        print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)
+        print(render(error, session.texts, colours=supports_colour(sys.stderr)), file=sys.stderr, flush=True)
         return error.exit_code
     tell(internal(error, session))
     return InternalError.exit_code
@@ -62,7 +62,7 @@ def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = Fals
     notes = [("expected", expected), ("hint", error.hint), ("rule", rule_named(error.rule))]
     lines = message_lines((error.kind, RED), error.message, error.span, notes, texts, colours=colours)
     if isinstance(error, AttemptsExhausted):
-        lines += map(escaped, _worst(error, texts))
+        lines += map(escape_controls, _worst(error, texts))
     return "\n".join(lines)
 
 
@@ -80,24 +80,24 @@ def message_lines(
     lines = [f"{paint(kind[1], kind[0])}{paint(BOLD, ': ' + message)}"]
     if span.line > 0:
         lines += _excerpt(span, texts, margin, paint, kind[1])
-    return [*lines, *(f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {escaped(text)}" for name, text in notes if text)]
+    return [*lines, *(f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {escape_controls(text)}" for name, text in notes if text)]
 
 
 def _painter(colours: bool) -> Paint:
-    return (lambda colour, text: f"{colour}{escaped(text)}{PLAIN}") if colours else (lambda colour, text: escaped(text))
+    return (lambda colour, text: f"{colour}{escape_controls(text)}{PLAIN}") if colours else (lambda colour, text: escape_controls(text))
 
 
 def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint, colour: str) -> list[str]:
     """`--> place`, the source line, and carets under the span."""
     bar = paint(BLUE, "|")
-    found = [f"{margin}{paint(BLUE, '-->')} {escaped(str(span))}"]
+    found = [f"{margin}{paint(BLUE, '-->')} {escape_controls(str(span))}"]
     line = source_line(span, texts)
     if line is None:
         return found
     start = min(max(span.column - 1, 0), len(line))
     stop = min(span.end_column - 1, len(line)) if span.end_line == span.line else len(line.rstrip())
-    line, start, stop = _clipped(line, start, max(stop, start))
-    before, marked, line = escaped(line[:start]), escaped(line[start:stop]), escaped(line)
+    line, start, stop = _clip_line(line, start, max(stop, start))
+    before, marked, line = escape_controls(line[:start]), escape_controls(line[start:stop]), escape_controls(line)
     lead = "".join("\t" if char == "\t" else " " * _columns(char) for char in before)
     carets = "^" * max(1, sum(_columns(char) for char in marked))
     number = paint(BLUE, str(span.line))
@@ -110,7 +110,7 @@ def _columns(char: str) -> int:
     return 2 if unicodedata.east_asian_width(char) in ("W", "F") else 1
 
 
-def _clipped(line: str, start: int, stop: int) -> tuple[str, int, int]:
+def _clip_line(line: str, start: int, stop: int) -> tuple[str, int, int]:
     """A very long line cut down to the neighbourhood of the place."""
     if len(line) <= WIDEST:
         return line, start, stop

@@ -67,7 +67,7 @@ def fuzz(
     from ..inference.comparison.comparison import check_settings
     from ..semantics.readings import select
     from ..semantics.store.errors import UsageError
-    from .conformance import opened
+    from .conformance import open_implementation
     from .fuzz_reports import FINDINGS, write_reports
 
     context.obj.seed = seed
@@ -82,7 +82,7 @@ def fuzz(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{output} cannot be made: {error.strerror or error}") from None
-    with opened(impl, answer) as other:
+    with open_implementation(impl, answer) as other:
         name, paper = other.name, select()
         readings = dict(other.profile if profile == OF_THE_OTHER else select(profile))
     readings = {id: alternative for id, alternative in readings.items() if alternative != paper[id]}
@@ -90,13 +90,13 @@ def fuzz(
     journal = Journal(folder / JOURNAL, settings, name, resume=resume)
     context.obj.finished = f"{output} holds what was found; --resume goes on"
     try:
-        with watched(journal.examined, seconds) as tell:
+        with campaign_progress(journal.examined, seconds) as tell:
             campaign(settings, journal, seconds, workers, tell)
     finally:  # what was found is reported, however the campaign ends
         causes = causes_of(journal.examined)
         findings = findings_of(causes, kept)
         write_reports(folder, name, settings, journal.examined, causes, findings)
-    show(findings, journal.examined, folder)
+    show_findings(findings, journal.examined, folder)
     raise typer.Exit(1 if any(found.verdict == "differ" for found in journal.examined) else 0)
 
 
@@ -116,7 +116,7 @@ def seconds_in(text: str, at_least: float) -> float:
 
 
 @contextmanager
-def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Callable[[FuzzedProgram], None]]:
+def campaign_progress(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Callable[[FuzzedProgram], None]]:
     """Says what is found: on a terminal with a bar of the time, elsewhere a line for each finding."""
     from .session import console
     from .session import tell as told
@@ -136,29 +136,29 @@ def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Calla
         began = bar.get_time()
 
         def moved(found: FuzzedProgram) -> None:
-            bar.update(task, completed=min(bar.get_time() - began, seconds), said=counted(examined))
+            bar.update(task, completed=min(bar.get_time() - began, seconds), said=verdict_counts(examined))
             if found.confirmed:
                 bar.console.print(f"program {found.number}: {found.kind}, {found.words}", markup=False, highlight=False)
 
         yield moved
 
 
-def counted(examined: Sequence[FuzzedProgram]) -> str:
+def verdict_counts(examined: Sequence[FuzzedProgram]) -> str:
     """How many programs were examined, and what became of them."""
     counts = Counter(found.verdict for found in examined)
     told = ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in ("agree", "differ", "inconclusive", "skipped") if counts[verdict])
     return f"{len(examined):,} programs: {told}" if told else "no program was examined"
 
 
-def show(findings: Sequence[JudgedFinding], examined: Sequence[FuzzedProgram], folder: Path) -> None:
+def show_findings(findings: Sequence[JudgedFinding], examined: Sequence[FuzzedProgram], folder: Path) -> None:
     """The findings, each with its smallest program."""
-    from .session import escaped
+    from .session import escape_controls
 
     for number, found in enumerate(findings, 1):
         programs = f"{found.programs} program{'' if found.programs == 1 else 's'}"
         reading = f", agrees under {found.reading}" if found.reading else ""
-        print(f"\n{number}. {escaped(found.kind)}: {escaped(found.words)} ({programs}, {found.class_}{reading})")
-        print("\n".join(f"    {escaped(line)}" for line in found.program.splitlines()))
+        print(f"\n{number}. {escape_controls(found.kind)}: {escape_controls(found.words)} ({programs}, {found.class_}{reading})")
+        print("\n".join(f"    {escape_controls(line)}" for line in found.program.splitlines()))
     alike = sum(found.verdict == "differ" for found in examined) - sum(found.programs for found in findings)
     rest = f", and {alike:,} more that differ are alike or were not shown again by fresh scenes" if alike and findings else ""
-    print(f"\n{counted(examined)}; {len(findings)} cause{'' if len(findings) == 1 else 's'}{rest}. {folder / PAGE} shows them.")
+    print(f"\n{verdict_counts(examined)}; {len(findings)} cause{'' if len(findings) == 1 else 's'}{rest}. {folder / PAGE} shows them.")

@@ -36,7 +36,7 @@ def write_reports(
         draft = draft_of(cause, f"finding-{number:02}", settings)
         if draft is not None:
             write(str(findings / f"{number:02}.toml"), draft)
-    write(str(folder / FINDINGS), to_toml(CampaignFindings(name, counted(settings, examined), list(found))))
+    write(str(folder / FINDINGS), to_toml(CampaignFindings(name, campaign_summary(settings, examined), list(found))))
     write(str(folder / "report.html"), page(name, settings, examined, causes, found))
     write(str(folder / "junit.xml"), junit(name, found, examined))
 
@@ -52,36 +52,36 @@ def page(
         f'<td>{f.class_}</td><td class="number">{f.programs}</td></tr>'
         for n, f in enumerate(found, 1)
     )
-    sections = "\n".join(shown(n, cause, f) for n, (cause, f) in enumerate(zip(causes, found, strict=True), 1))
+    sections = "\n".join(cause_section(n, cause, f) for n, (cause, f) in enumerate(zip(causes, found, strict=True), 1))
     return template.substitute(
-        title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(counted(settings, examined)),
+        title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(campaign_summary(settings, examined)),
         readings=escape(f"Readings of both: {readings}." if readings else "Both were compared under the paper's readings."),
         rows=rows, causes=sections, others=escape(others(examined, causes)),
     )  # fmt: skip
 
 
-def counted(settings: CampaignSettings, examined: Sequence[FuzzedProgram]) -> str:
+def campaign_summary(settings: CampaignSettings, examined: Sequence[FuzzedProgram]) -> str:
     """How many programs there were, and how sure what was found is."""
     counts = Counter(found.verdict for found in examined)
     told = f"{len(examined):,} programs of seed {settings.seed}: " + ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in VERDICTS)
     return f"{told}. The risk of one false alarm or more in all of it is at most {settings.alpha:g}."
 
 
-def shown(number: int, cause: Cause, found: JudgedFinding) -> str:
+def cause_section(number: int, cause: Cause, found: JudgedFinding) -> str:
     """A cause: the program, what differs, a picture where it can be seen, what was decided, where the paper says so."""
     reading = f"<p>They agree under {escape(found.reading)}.</p>" if found.reading else ""
     evidence = cause.smallest.evidence
     certain = "certain" if evidence is None else f"10^{evidence:.1f}"
     return (
         f'<section id="cause-{number}"><h2>{number}. {escape(found.kind)}: {escape(found.words)}</h2>'
-        f"<pre>{escape(found.program)}</pre><p>{escape(found.detail)}</p>{reading}{drawn(found)}"
+        f"<pre>{escape(found.program)}</pre><p>{escape(found.detail)}</p>{reading}{scenes_image(found)}"
         f"<p><b>{escape(found.class_)}</b>{escape(f': {found.why}' if found.why else '')}</p>"
         f'<p class="dim">Evidence: {certain}. Rules: {escape(", ".join(cause.smallest.rules) or "none of its own")}. '
-        f"The paper: {escape(found.passage)}. Programs: {shortened(cause.numbers)}.</p></section>"
+        f"The paper: {escape(found.passage)}. Programs: {first_numbers(cause.numbers)}.</p></section>"
     )
 
 
-def drawn(found: JudgedFinding) -> str:
+def scenes_image(found: JudgedFinding) -> str:
     """The scenes of both sides as a picture in the page, if the difference is one that can be seen."""
     if not found.here and not found.there:
         return ""
@@ -89,7 +89,7 @@ def drawn(found: JudgedFinding) -> str:
     return f'<p><img alt="scenes here and there" width="540" src="data:image/png;base64,{picture}"></p>'
 
 
-def shortened(numbers: Sequence[int], most: int = 20) -> str:
+def first_numbers(numbers: Sequence[int], most: int = 20) -> str:
     """The first of some numbers."""
     return ", ".join(map(str, numbers[:most])) + (" ..." if len(numbers) > most else "")
 

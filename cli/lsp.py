@@ -48,7 +48,7 @@ def lsp(
         return
     if sys.stdin.isatty():
         print("scenic-ref lsp speaks to editors, which start it themselves (docs/editors.md); Ctrl-D ends it", file=sys.stderr)
-    server.serve(*own_streams(), seconds)
+    server.serve_editor(*own_streams(), seconds)
 
 
 def own_streams() -> tuple[BinaryIO, BinaryIO]:

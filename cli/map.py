@@ -56,7 +56,7 @@ def show_map(
     if plot is not None and file is not None:
         check_place(plot, {"the map": file})
     if file is None:
-        print("\n".join(explained(make)))
+        print("\n".join(map_kind_help(make)))
         return
     is_site = Path(file).suffix.lower() in SITES
     if make is not None:
@@ -64,7 +64,7 @@ def show_map(
             raise UsageError(f"--make writes road maps, .xodr files, and {Path(file).name} is no name of one")
         if file != "-":
             check_place(file, {})
-        text = text_of(make, param or [])
+        text = generated_map_text(make, param or [])
         if file == "-":
             print(text, end="")
             return
@@ -89,7 +89,7 @@ def show_map(
         if check:
             print("\n".join(f"fault: {fault}" for fault in found) or "no faults were found")
     if plot is not None:
-        write(plot, drawn(network, plot))
+        write(plot, map_image(network, plot))
     if found:
         raise typer.Exit(1)
 
@@ -130,7 +130,7 @@ def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) ->
         write(plot, site_picture(site, format=Path(plot).suffix[1:].lower()))
 
 
-def explained(kind: str | None) -> list[str]:
+def map_kind_help(kind: str | None) -> list[str]:
     """The parameters of a kind of map. Raises `UsageError` if there is none."""
     from ..roads.map_generator import KINDS
     from ..semantics.store.errors import UsageError
@@ -144,16 +144,16 @@ def explained(kind: str | None) -> list[str]:
     return [f"{kind}: {KINDS[kind].description}", *columns(("parameter", "default", "values", "meaning"), rows)]
 
 
-def text_of(kind: str, given: list[str]) -> str:
+def generated_map_text(kind: str, given: list[str]) -> str:
     """The map of a kind with these parameters. Raises `UsageError`."""
-    from ..roads.map_generator import KINDS, made
+    from ..roads.map_generator import KINDS, generate_map
     from ..semantics.store.errors import UsageError
     from .options import literal, pairs
 
     truths = {"true": True, "false": False}
     values = {name: truths.get(value.lower(), literal(value)) for name, value in pairs(given, "--param", "NAME=VALUE")}
     try:
-        return made(kind, **values)  # type: ignore[arg-type]  # it checks them
+        return generate_map(kind, **values)  # type: ignore[arg-type]  # it checks them
     except ValueError as problem:
         raise UsageError(str(problem), hint=f"`scenic-ref map --make {kind}` lists the parameters" if kind in KINDS else "") from None
 
@@ -173,7 +173,7 @@ def lines(told: dict[str, object]) -> list[str]:
     ]
 
 
-def drawn(network: Network, path: str) -> bytes:
+def map_image(network: Network, path: str) -> bytes:
     """The picture of a map."""
     from ..pictures.map_figures import map_picture
 

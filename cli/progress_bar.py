@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
-from .session import console, escaped, tell
+from .session import console, escape_controls, tell
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -158,6 +158,6 @@ class Progress:
     def say(self, text: str) -> None:
         """A line on standard error, above the bar."""
         if self.bar is not None:
-            self.bar.console.print(escaped(text), markup=False, highlight=False)
+            self.bar.console.print(escape_controls(text), markup=False, highlight=False)
         else:
             tell(text)

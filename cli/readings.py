@@ -40,11 +40,11 @@ def readings(
     selected = select(profile or "paper", dict(pairs(reading, "--reading", "ID=ALT")))
     found = list(READINGS.values()) if name is None else [READINGS[name]] if name in READINGS else []
     if not found:
-        raise unknown(str(name), tuple(READINGS))
+        raise unknown_reading(str(name), tuple(READINGS))
     if as_json:
-        print(json.dumps([record(r, selected) for r in found], ensure_ascii=False, indent=2))
+        print(json.dumps([reading_json(r, selected) for r in found], ensure_ascii=False, indent=2))
     elif name is not None:
-        print("\n".join(explained(found[0], selected[name])))
+        print("\n".join(explain_reading(found[0], selected[name])))
     else:
         rows = [(r.id, answers(r, selected[r.id]), r.question) for r in found]
         print("\n".join(columns(("id", "alternatives", "question"), rows)))
@@ -55,7 +55,7 @@ def answers(reading: Reading, selected: str) -> str:
     return f"({selected})" if reading.is_note else " | ".join(f"{a}*" if a == selected else a for a in reading.alternatives)
 
 
-def unknown(name: str, known: tuple[str, ...]) -> Exception:
+def unknown_reading(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
     from ..semantics.store.errors import UsageError
     from ..semantics.store.suggestions import did_you_mean
@@ -63,7 +63,7 @@ def unknown(name: str, known: tuple[str, ...]) -> Exception:
     return UsageError(f"there is no reading {name}", hint=did_you_mean(name, known, "`scenic-ref readings` lists them"))
 
 
-def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
+def reading_json(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
     """A reading in JSON."""
     probe = None if reading.probe is None else {"program": reading.probe.program, "shows": dict(reading.probe.shows)}
     return {
@@ -73,7 +73,7 @@ def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
     }
 
 
-def explained(reading: Reading, selected: str) -> list[str]:
+def explain_reading(reading: Reading, selected: str) -> list[str]:
     """A reading in full: question, places, alternatives, profiles, consequence, code, probe."""
     from .text_columns import paragraph
 

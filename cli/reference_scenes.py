@@ -47,7 +47,7 @@ class References:
     def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[Mapping[str, object]]:
         """Scenes `start` to `start + n - 1` of `seed`, one by one. Raises the program's errors."""
         drawing = drawing_of(self.source)
-        return (json.loads(drawn.line) for drawn in checked(draw_here(drawing, Job(self.source, seed, start, start + n, DEFAULT_ATTEMPTS))))
+        return (json.loads(drawn.line) for drawn in scenes_or_error(draw_here(drawing, Job(self.source, seed, start, start + n, DEFAULT_ATTEMPTS))))
 
     def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[FeatureTable]:
         """The features of scenes `start` to `start + n - 1` of `seed`, which must be the next ones. Raises the program's errors."""
@@ -85,13 +85,13 @@ class References:
         """The same by the interpreter."""
         found = draw_here(drawing, job, self.progress.stuck) if self.workers == 1 else draw_in_processes(job, self.workers)
         try:
-            while several := list(islice(checked(found, self.progress), ONE_BY_ONE)):
+            while several := list(islice(scenes_or_error(found, self.progress), ONE_BY_ONE)):
                 yield features_table(json.loads(drawn.line) for drawn in several)
         finally:
             found.close()
 
 
-def checked(found: Iterator[DrawnScene | FailedDraw], progress: Progress | None = None) -> Iterator[DrawnScene]:
+def scenes_or_error(found: Iterator[DrawnScene | FailedDraw], progress: Progress | None = None) -> Iterator[DrawnScene]:
     """The scenes that are drawn. Raises the error that ends them."""
     for drawn in found:
         if isinstance(drawn, FailedDraw):

@@ -29,16 +29,16 @@ def rules(
     known = {name.lower(): rule for name, rule in RULES.items()}
     found = [known[prefix.lower()]] if prefix.lower() in known else [r for r in CATALOGUE if r.id.lower().startswith(prefix.lower())]
     if not found:
-        raise unknown(prefix, tuple(RULES))
+        raise unknown_rule(prefix, tuple(RULES))
     if as_json:
-        print(json.dumps([record(rule) for rule in found], ensure_ascii=False, indent=2))
+        print(json.dumps([rule_json(rule) for rule in found], ensure_ascii=False, indent=2))
     elif prefix.lower() in known:
-        print("\n".join(explained(found[0])))
+        print("\n".join(explain_rule(found[0])))
     else:
         print("\n".join(columns(("id", "name in the paper", "function", "place"), [(r.id, r.name, r.code, r.place) for r in found])))
 
 
-def unknown(name: str, known: tuple[str, ...]) -> Exception:
+def unknown_rule(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
     from ..semantics.store.errors import UsageError
     from ..semantics.store.suggestions import did_you_mean
@@ -46,7 +46,7 @@ def unknown(name: str, known: tuple[str, ...]) -> Exception:
     return UsageError(f"there is no rule {name}", hint=did_you_mean(name, known, "`scenic-ref rules` lists them"))
 
 
-def record(rule: Rule) -> dict[str, object]:
+def rule_json(rule: Rule) -> dict[str, object]:
     """A rule in JSON."""
     from ..semantics.theorems import theorems_of
 
@@ -56,7 +56,7 @@ def record(rule: Rule) -> dict[str, object]:
     }
 
 
-def explained(rule: Rule) -> list[str]:
+def explain_rule(rule: Rule) -> list[str]:
     """A rule with the docstring of its function, and the theorems about it."""
     from ..semantics.theorems import theorems_of
 

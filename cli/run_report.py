@@ -106,7 +106,7 @@ class Rejecting(NamedTuple):
     among: int
 
 
-def rejecting(stuck: Iterable[tuple[Requirement, int]]) -> list[Rejecting]:
+def rejecting_requirements(stuck: Iterable[tuple[Requirement, int]]) -> list[Rejecting]:
     """The requirements that rejected, those of one place together, those that rejected most first."""
     groups: dict[tuple[str, Span, str], Counter[str]] = {}
     for requirement, count in stuck:
@@ -118,14 +118,14 @@ def rejecting(stuck: Iterable[tuple[Requirement, int]]) -> list[Rejecting]:
 
 def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
     """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
-    ordered = rejecting(stuck)
+    ordered = rejecting_requirements(stuck)
     total = sum(one.often for one in ordered)
     lines = [f"requirements that rejected most, of {total:,} stuck attempts:" if total > 1 else "the requirement that rejected the stuck attempt:"]
     for one in ordered[:limit]:
         others = f" (and {one.among - 1:,} like it)" if one.among > 1 else ""
         lines.append(f"{one.often:>9,}  {one.often / total:>4.0%}  {one.text}{others}")
         if one.span.line:
-            lines.append(f"{'':17}{one.span.file}:{one.span.line}: {shortened(source_line(one.span, texts) or '')}".rstrip(": "))
+            lines.append(f"{'':17}{one.span.file}:{one.span.line}: {shorten_source_line(source_line(one.span, texts) or '')}".rstrip(": "))
     if len(ordered) > limit:
         rest = sum(one.often for one in ordered[limit:])
         lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(ordered) - limit} others")
@@ -138,7 +138,7 @@ def soft_lines(softnesses: Iterable[Softness], texts: Mapping[str, str]) -> list
     for soft in sorted(softnesses, key=lambda s: s.span):
         if not soft.known or bdtr(soft.held, soft.known, float(soft.probability)) > BY_CHANCE:
             continue
-        source = shortened(source_line(soft.span, texts) or "require")
+        source = shorten_source_line(source_line(soft.span, texts) or "require")
         lines += [
             f"note: {source}  at {soft.span.file}:{soft.span.line}",
             f"      held in {soft.held:,} of {soft.known:,} scenes ({soft.held / soft.known:.1%}), less often than {float(soft.probability):.4g}: "
@@ -148,7 +148,7 @@ def soft_lines(softnesses: Iterable[Softness], texts: Mapping[str, str]) -> list
     return lines
 
 
-def shortened(line: str) -> str:
+def shorten_source_line(line: str) -> str:
     """A source line, stripped and not too long."""
     text = line.strip()
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."

@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .scene_sampler import DrawnScene
-from .session import console, escaped
+from .session import console, escape_controls
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -156,7 +156,7 @@ class LinesFile(LineByLine):
         if resume and not self.is_regular:
             os.close(self.file)
             raise UsageError(f"{path} cannot be resumed: it is not an ordinary file")
-        if self.is_regular and not locked(self.file):
+        if self.is_regular and not lock_file(self.file):
             os.close(self.file)
             raise UsageError(f"{path} is being written by another process", hint="wait until that has ended, or write to another file")
         if not resume:
@@ -331,7 +331,7 @@ class TableOutput(Output):
         self.table.close()
 
 
-def locked(file: int) -> bool:
+def lock_file(file: int) -> bool:
     """Whether this process, and no other, may write the file from now on; the system takes the lock back when the process ends, however it does.
 
     Where there are no such locks (Windows, some network drives) everyone may.
@@ -444,10 +444,10 @@ def table_of(scene: dict[str, Any]) -> Table:
     from rich.markup import escape
     from rich.table import Table
 
-    params = ", ".join(f"{name} = {shown(value)}" for name, value in scene["params"].items())
+    params = ", ".join(f"{name} = {format_parameter(value)}" for name, value in scene["params"].items())
     title = f"seed {scene['seed']}, scene {scene['scene']} (metres, degrees)"
     table = Table(
-        title=title, title_justify="left", title_style="bold", caption=escape(escaped(params)) or None, caption_justify="left", caption_style="dim",
+        title=title, title_justify="left", title_style="bold", caption=escape(escape_controls(params)) or None, caption_justify="left", caption_style="dim",
         box=SIMPLE_HEAD,
     )
     for name in ("", "name", "class"):
@@ -457,12 +457,12 @@ def table_of(scene: dict[str, Any]) -> Table:
     for o in scene["objects"]:
         x, y = o["position"]
         numbers = (f"{x:.2f}", f"{y:.2f}", f"{math.degrees(o['heading']):.1f}", f"{o['width']:.2f}", f"{o['length']:.2f}")
-        named = (escape(escaped(o["name"] or "")), escape(escaped(o["class"])))
+        named = (escape(escape_controls(o["name"] or "")), escape(escape_controls(o["class"])))
         table.add_row(str(o["id"]), *named, *numbers, style="bold" if o["id"] == scene["ego"] else None)
     return table
 
 
-def shown(value: object) -> str:
+def format_parameter(value: object) -> str:
     """A parameter, short."""
     if isinstance(value, float):
         return f"{value:.6g}"

@@ -14,7 +14,7 @@ from ..inference.batch.jobs.worker_pools import Workers, cluster, processes
 from ..inference.batch.numpy_evaluator import leavers
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from ..semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
 from .batch_sampler import Portion, portions
 from .error_messages import WORST
@@ -116,9 +116,9 @@ def lines_so_far(
         stuck.update(stop.stuck)
     elif block is not None and block.start >= start + tally.scenes:
         stuck.update(block.stuck)
-    head = f"{counted(written, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    head = f"{count_phrase(written, 'scene')} so far, and {count_phrase(stuck.total(), 'stuck attempt')}"
     if more := tally.scenes - written + behind.scenes:
-        head += f"; {counted(more, 'scene')} more were drawn, and not written"
+        head += f"; {count_phrase(more, 'scene')} more were drawn, and not written"
     return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
 
 

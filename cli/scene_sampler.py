@@ -36,7 +36,7 @@ from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire
 from ..simulators.worlds.driving import notes
 from .options import Source
-from .session import escaped, tell
+from .session import escape_controls, tell
 
 if TYPE_CHECKING:
     from ..api import Scenario
@@ -192,7 +192,7 @@ def tell_notes(scenario: Scenario) -> None:
     if scenario.profile is None and dialect.profile != DEFAULT:
         tell(f"the dialect {dialect.name} brings the profile {dialect.profile}: the program means what that release makes of it")
     for note in notes(scenario.settings.library, scenario.program, scenario.params):
-        tell(escaped(note))
+        tell(escape_controls(note))
 
 
 def tell_warnings(scenario: Scenario) -> None:
@@ -214,7 +214,7 @@ def listen(outcome: Outcome, printed: list[str]) -> None:
 def holds_aside(condition: Node, place: Config) -> bool | None:
     """Whether `condition` holds in the state of `place`; None if that cannot be said without a draw, or at all."""
     try:
-        end, _ = drive_machine(step, Config(condition, (), place.state), unknown, ASIDE_STEPS, until=is_value)
+        end, _ = drive_machine(step, Config(condition, (), place.state), raise_unknown, ASIDE_STEPS, until=is_value)
         return bool(bool_of(plain(end.config.control.value), condition, end.config.state)) if isinstance(end, Arrived) else None  # type: ignore[union-attr]
     except (Unknown, ScenicError, HostException):
         return None
@@ -224,7 +224,7 @@ class Unknown(Exception):
     """Something hangs on a draw."""
 
 
-def unknown(draw: Draw) -> object:
+def raise_unknown(draw: Draw) -> object:
     """Answers no draw. Raises `Unknown`."""
     raise Unknown
 

@@ -34,7 +34,7 @@ class Session:
         os.dup2(nothing, sys.stdout.fileno())
 
 
-def coloured(stream: object) -> bool:
+def supports_colour(stream: object) -> bool:
     """Whether colours may be written to `stream`: a terminal, with neither NO_COLOR set nor a dumb terminal."""
     is_terminal = getattr(stream, "isatty", lambda: False)()
     return bool(is_terminal) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
@@ -44,14 +44,14 @@ def console(stream: TextIO) -> Console:
     """A console on standard output or standard error; without colours, and anything of their kind, where none may be written."""
     from rich.console import Console
 
-    return Console(file=stream, color_system="auto" if coloured(stream) else None)
+    return Console(file=stream, color_system="auto" if supports_colour(stream) else None)
 
 
-def escaped(text: str) -> str:
+def escape_controls(text: str) -> str:
     """`text` with control characters as Python writes them: what a program, its names and its files say never steers the terminal."""
     return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
 
 
 def tell(text: str = "") -> None:
     """Lines on standard error."""
-    print(escaped(text), file=sys.stderr, flush=True)
+    print(escape_controls(text), file=sys.stderr, flush=True)

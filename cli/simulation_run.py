@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..api.simulations import SimulationBackend
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from ..semantics.machine.outcome import Requirement
 from ..semantics.store.errors import UsageError
 from ..simulators import by_name
@@ -28,8 +28,8 @@ from .run_report import requirement_lines
 from .scene_outputs import SIMULATIONS, Output, Resumed, open_output
 from .scene_run import printed_first, rehearse, workers_of
 from .scene_sampler import Drawing, DrawnScene, drawing_of
-from .session import Session, escaped, tell
-from .simulation_sampler import Listeners, ReportedRun, SimulationJob, reported, simulate_here, simulated_by
+from .session import Session, escape_controls, tell
+from .simulation_sampler import Listeners, ReportedRun, SimulationJob, report_simulation, simulate_here, simulated_by
 
 
 class SimulationRequest(NamedTuple):
@@ -97,7 +97,7 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             total = request.stop - request.start
         progress = stack.enter_context(Progress(total, what="simulations"))
         wanted = output is not None or request.html is not None
-        found = simulations(source, drawing, simulator, request, tally, progress, wanted) if replays is None else replayed(replays, request, wanted)
+        found = simulations(source, drawing, simulator, request, tally, progress, wanted) if replays is None else reported_replays(replays, request, wanted)
         stack.callback(found.close)
         try:
             for run in found:
@@ -116,14 +116,14 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             interrupted = stop
         if output is not None:
             output.finish()
-    show(source, drawing, request, tally, replays, time.perf_counter() - begun, session)
+    show_simulations(source, drawing, request, tally, replays, time.perf_counter() - begun, session)
     if interrupted is not None:
         raise interrupted
     if replays is not None:
         replays.check_any()
 
 
-def show(
+def show_simulations(
     source: Source, drawing: Drawing, request: SimulationRequest, tally: SimulationTally, replays: Replays | None, seconds: float, session: Session
 ) -> None:
     """Make a page and an animation of the finished simulations, and report on all."""
@@ -152,7 +152,7 @@ def check_earlier(drawing: Drawing, request: SimulationRequest, simulator: Simul
     run = drawing.scenario.simulate(
         simulator, request.steps, request.seed, last.index, max_attempts=request.max_attempts, backend=request.backend,
     )  # fmt: skip
-    if reported(run, True, shown=False).line != last.line:
+    if report_simulation(run, True, shown=False).line != last.line:
         raise UsageError(
             f"{request.output} cannot be resumed: its simulation {last.index} is not the one that this program and these options give",
             hint="write to another file, or leave out --resume to overwrite this one",
@@ -216,16 +216,16 @@ def simulations(
         found.close()
 
 
-def replayed(replays: Replays, request: SimulationRequest, wanted: bool) -> Generator[ReportedRun]:
+def reported_replays(replays: Replays, request: SimulationRequest, wanted: bool) -> Generator[ReportedRun]:
     """The replays. Raises `UsageError`, and the simulator's errors."""
     for number, run in enumerate(replays):
-        yield reported(run, wanted, shown=request.html is not None and number < MOST)
+        yield report_simulation(run, wanted, shown=request.html is not None and number < MOST)
 
 
 def write(output: Output | None, run: ReportedRun) -> None:
     """A simulation as a line of JSON; on a terminal, how it went."""
     if output is None:
-        print(escaped(run.told))
+        print(escape_controls(run.told))
         return
     output.write(DrawnScene(run.index, run.attempts, run.line, Counter(), (), ()))
 
@@ -250,7 +250,7 @@ def left_to_machine(tally: SimulationTally) -> list[str]:
     for function, reason in tally.functions.items():
         share = tally.in_functions[function] / max(1, tally.nanoseconds)
         lines.append(f"not compiled, so that the machine ran the function {function}, in {share:.0%} of the time: {reason}")
-    lines += [f"the machine ran {counted(often, 'attempt')} from the beginning: {reason}" for reason, often in tally.wholes.most_common()]
+    lines += [f"the machine ran {count_phrase(often, 'attempt')} from the beginning: {reason}" for reason, often in tally.wholes.most_common()]
     return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 
 
@@ -262,10 +262,10 @@ def when(stuck: Counter[Failed]) -> Counter[Requirement]:
         counts[failed.requirement] += often
         if failed.step is not None:
             steps.setdefault(failed.requirement, []).append(failed.step)
-    return Counter({r._replace(text=f"{r.text} ({told(steps.get(r, []))})"): often for r, often in counts.items()})
+    return Counter({r._replace(text=f"{r.text} ({time_steps_in_words(steps.get(r, []))})"): often for r, often in counts.items()})
 
 
-def told(steps: list[int]) -> str:
+def time_steps_in_words(steps: list[int]) -> str:
     """Time steps in words."""
     if not steps:
         return "in the scene"

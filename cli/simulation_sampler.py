@@ -92,7 +92,7 @@ class Listeners(NamedTuple):
     failed: Callable[[Failed], None] | None = None
 
 
-def reported(
+def report_simulation(
     run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, shown: bool, left: Uncompiled = ALL_COMPILED
 ) -> ReportedRun:
     """A simulation that has ended, and whether it is shown on a page. Raises `InternalError` for numbers that JSON does not have."""
@@ -131,7 +131,7 @@ def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, te
                 tuple(library.left.values()), dict(library.functions_left), library.wholes - wholes, library.nanoseconds - before,
                 time.thread_time_ns() - begun,
             )
-            found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown, left=left)
+            found = report_simulation(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown, left=left)
         except ScenicError as error:
             yield failed(error, printed)
             return

@@ -75,7 +75,7 @@ def trace(
     from ..simulators import by_name
     from .output_paths import check_ending, check_place
     from .scene_sampler import drawing_of, tell_notes
-    from .trace_output import WhichRun, traced, traced_simulation, write_page, write_text
+    from .trace_output import WhichRun, trace_attempt, traced_simulation, write_page, write_text
 
     session = context.obj
     session.seed = seed
@@ -90,7 +90,7 @@ def trace(
     if steps is None:
         if simulator != "still" or timestep is not None:
             raise UsageError("--simulator and --dt are for simulations only", hint="give the number of time steps as well: --steps N")
-        found = traced(source, asked)
+        found = trace_attempt(source, asked)
     else:
         found = traced_simulation(source, asked, by_name(simulator, timestep), steps)
     if html is None:

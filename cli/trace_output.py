@@ -24,7 +24,7 @@ from .error_messages import source_line, source_text
 from .options import Source
 from .output_paths import write
 from .scene_sampler import drawing_of
-from .session import escaped, tell
+from .session import escape_controls, tell
 
 
 class WhichRun(NamedTuple):
@@ -72,7 +72,7 @@ BEFORE_THE_END = 20_000
 """Steps that are shown of a run which is known not to end within its fuel or time."""
 
 
-def traced(source: Source, asked: WhichRun) -> TracedRun:
+def trace_attempt(source: Source, asked: WhichRun) -> TracedRun:
     """Run the requested attempt once more, and keep every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
 
@@ -92,7 +92,7 @@ def traced(source: Source, asked: WhichRun) -> TracedRun:
 
 
 def traced_simulation(source: Source, asked: WhichRun, simulator: Simulator, steps: int) -> TracedRun:
-    """As `traced`, for a simulation of at most `steps` time steps."""
+    """As `trace_attempt`, for a simulation of at most `steps` time steps."""
     scenario = drawing_of(source).scenario
 
     def draw(count: Callable[[int], None]) -> int:
@@ -140,21 +140,21 @@ def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]],
 
 def write_text(found: TracedRun, texts: Mapping[str, str], *, everything: bool) -> None:
     """Print the trace: source lines, and below each the rules that fired there."""
-    print(escaped(found.title))
+    print(escape_controls(found.title))
     place = None
     for event in shown_events(found.trace, everything=everything):
         if event.kind == "time":
             place = None
-            print(escaped(f"\n{'':-<8} {event.change}"))
+            print(escape_controls(f"\n{'':-<8} {event.change}"))
             continue
         here = (event.span.file, event.span.line)
         if here != place:
             place = here
             line = (source_line(event.span, texts) or "").strip()
-            print(escaped(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)"))
-        print(escaped(event_line(event)))
+            print(escape_controls(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)"))
+        print(escape_controls(event_line(event)))
     hidden = len(found.trace.events) - sum(1 for _ in shown_events(found.trace, everything=everything))
-    print(escaped(f"\n{found.ending if found.error is None else 'the program is wrong, and the run ends here'}"))  # the error follows
+    print(escape_controls(f"\n{found.ending if found.error is None else 'the program is wrong, and the run ends here'}"))  # the error follows
     if hidden:
         print(f"{hidden:,} rules inherited from Python or for default values are hidden; --all shows them")
     sys.stdout.flush()

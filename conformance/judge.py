@@ -15,7 +15,7 @@ from .implementations.protocol import (
     Unsupported,
 )
 from .vector import ConformanceVector
-from .verdict import VectorVerdict, errored, failed, skipped
+from .verdict import VectorVerdict, errored_verdict, failed_verdict, skipped_verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,10 @@ def judge(implementation: Implementation, vector: ConformanceVector, dialect: st
     wanted = implementation.dialects if dialect is None else (dialect,)
     known = [d for d in wanted if d in vector.texts and d in implementation.dialects]
     if not known:
-        return Result(vector, dialect or "", skipped(f"the program is not given in {' or '.join(wanted)}"))
+        return Result(vector, dialect or "", skipped_verdict(f"the program is not given in {' or '.join(wanted)}"))
     for reading, alternative in vector.readings.items():
         if not implementation.follows(reading, alternative):
-            return Result(vector, known[0], skipped(f"{implementation.name} does not follow {reading} = {alternative}"))
+            return Result(vector, known[0], skipped_verdict(f"{implementation.name} does not follow {reading} = {alternative}"))
     return Result(vector, known[0], verdict_of(implementation, vector, replace(vector.task(known[0]), seed=seed)))
 
 
@@ -45,11 +45,11 @@ def verdict_of(implementation: Implementation, vector: ConformanceVector, task: 
         verdict = vector.matcher.match(implementation, task)
         return verdict if verdict.status != "passed" else rules_verdict(implementation, vector, task, verdict)
     except Unsupported as cannot:
-        return skipped(str(cannot))
+        return skipped_verdict(str(cannot))
     except ImplementationFault as fault:  # of a process on the other side
-        return errored(str(fault))
+        return errored_verdict(str(fault))
     except Exception as crash:  # whatever the implementation or a matcher raises besides what the protocol names
-        return errored(f"{type(crash).__name__}: {crash}")
+        return errored_verdict(f"{type(crash).__name__}: {crash}")
 
 
 def rules_verdict(implementation: Implementation, vector: ConformanceVector, task: Task, passed: VectorVerdict) -> VectorVerdict:
@@ -59,13 +59,13 @@ def rules_verdict(implementation: Implementation, vector: ConformanceVector, tas
     try:
         fired = fired_in(implementation, vector, task)
     except Refused as refused:
-        return failed(f"{refused.when} while the rules were watched: {refused.message}")
+        return failed_verdict(f"{refused.when} while the rules were watched: {refused.message}")
     if fired is None:
         return passed
     missing, unwanted = vector.fires - fired, vector.avoids & fired
     if missing:
-        return failed(f"these rules did not fire: {', '.join(sorted(missing))}")
-    return failed(f"these rules fired and must not: {', '.join(sorted(unwanted))}") if unwanted else passed
+        return failed_verdict(f"these rules did not fire: {', '.join(sorted(missing))}")
+    return failed_verdict(f"these rules fired and must not: {', '.join(sorted(unwanted))}") if unwanted else passed
 
 
 def fired_in(implementation: Implementation, vector: ConformanceVector, task: Task) -> frozenset[str] | None:

@@ -44,7 +44,7 @@ class KnownDifference:
     reading: str | None
 
 
-def shipped() -> list[KnownDifference]:
+def shipped_differences() -> list[KnownDifference]:
     """The known differences of the released implementations."""
     place = files("scenic_ref.conformance").joinpath("known_differences.toml")
     return differences_in(place.read_text("utf-8"), "known_differences.toml")
@@ -153,7 +153,7 @@ class Judged:
         return not self.new and not self.stale
 
 
-def beside(implementation: str, results: Sequence[Result], known: Iterable[KnownDifference]) -> Judged:
+def judge_known_differences(implementation: str, results: Sequence[Result], known: Iterable[KnownDifference]) -> Judged:
     """The results of an implementation beside the differences that are known of it."""
     listed = {vector: difference for difference in known if implementation in difference.implementations for vector in difference.vectors}
     wrong = {result.vector.name: result for result in results if result.verdict.status in ("failed", "errored")}

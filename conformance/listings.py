@@ -69,7 +69,7 @@ def read_manifest(folder: Path) -> tuple[dict[str, PrintedListing], list[Complet
     return {listing.name: listing for listing in listings}, programs
 
 
-def completed(program: str, listings: Sequence[PrintedListing]) -> list[ProgramLine]:
+def complete_listings(program: str, listings: Sequence[PrintedListing]) -> list[ProgramLine]:
     """The lines of a program, with where each comes from. Raises `ValueError` if a listing does not stand in it as it is printed.
 
     The lines of a listing stand in the program in their order, as they are printed, all of them indented equally further; other lines may stand
@@ -79,18 +79,18 @@ def completed(program: str, listings: Sequence[PrintedListing]) -> list[ProgramL
     found = [ProgramLine(text, LineOrigin.ADDED) for text in texts]
     after = 0
     for listing in listings:
-        starts = (start for start in range(after, len(texts)) if placed(listing.lines, texts, start) is not None)
+        starts = (start for start in range(after, len(texts)) if place_listing(listing.lines, texts, start) is not None)
         start = next(starts, None)
         if start is None:
             raise ValueError(f"the listing {listing.name} does not stand in the program as it is printed")
-        places = placed(listing.lines, texts, start) or []
+        places = place_listing(listing.lines, texts, start) or []
         for place, line in places:
             found[place] = ProgramLine(texts[place], LineOrigin.FILLED if HOLE in line else LineOrigin.PRINTED, line if HOLE in line else "")
         after = max(place for place, _ in places) + 1
     return found
 
 
-def placed(lines: Sequence[str], texts: Sequence[str], start: int) -> list[tuple[int, str]] | None:
+def place_listing(lines: Sequence[str], texts: Sequence[str], start: int) -> list[tuple[int, str]] | None:
     """Where the lines of a listing stand if the first stands at `start`; None if they do not."""
     indent = texts[start][: len(texts[start]) - len(texts[start].lstrip())]
     found: list[tuple[int, str]] = []

@@ -47,7 +47,7 @@ def scenes_of(implementation: Implementation, task: Task) -> Boxes | None:
     return [scene for number, scene in enumerate(found) if scene not in found[:number]]
 
 
-def pictured(
+def visibly_different_scenes(
     causes: Sequence[KnownCause], vectors: Mapping[str, ConformanceVector], others: Mapping[str, External], kept: Mapping[str, Mapping[str, str]]
 ) -> Iterator[tuple[str, dict[str, Boxes]]]:
     """For each cause, the first of its vectors whose scenes differ to the eye, with the scenes of each side."""

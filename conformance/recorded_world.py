@@ -53,7 +53,7 @@ class RecordedWorld(Still):
         self.poses = []
 
 
-def wandering(scene: Scene, steps: int, seed: int) -> World:
+def random_walk_world(scene: Scene, steps: int, seed: int) -> World:
     """A world in which the objects of a scene, from where they are, go and turn at random."""
     generator = np.random.Generator(np.random.Philox(seed))
     places = [np.array([thing["position"][0], thing["position"][1]]) for thing in scene.to_json()["objects"]]  # type: ignore[index]

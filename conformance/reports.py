@@ -68,7 +68,7 @@ def all_passed(results: Iterable[Result]) -> bool:
     return not (counts["failed"] or counts["errored"])
 
 
-def report(implementation: str, results: Sequence[Result]) -> dict[str, object]:
+def report_json(implementation: str, results: Sequence[Result]) -> dict[str, object]:
     """The results as a JSON object."""
     counts = total(results)
     return {

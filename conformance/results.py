@@ -21,14 +21,14 @@ SECONDS = re.compile(r"within [\d.e+]+ s\b")
 PATH = re.compile(r"(?:/[\w.+-]+){2,}")
 
 
-def text_of(implementation: str, results: Sequence[Result]) -> str:
+def results_text(implementation: str, results: Sequence[Result]) -> str:
     """The file: JSON with a line for each vector, in the order of their names."""
-    lines = [f"  {json.dumps(r.vector.name)}: {json.dumps(line_of(r), ensure_ascii=False)}" for r in sorted(results, key=lambda r: r.vector.name)]
+    lines = [f"  {json.dumps(r.vector.name)}: {json.dumps(verdict_line(r), ensure_ascii=False)}" for r in sorted(results, key=lambda r: r.vector.name)]
     head = f'{{"schema": {json.dumps(SCHEMA)}, "implementation": {json.dumps(implementation)}, "results": {{\n'
     return head + ",\n".join(lines) + "\n}}\n"
 
 
-def line_of(result: Result) -> str:
+def verdict_line(result: Result) -> str:
     """The verdict with the beginning of its reason, without what differs from run to run."""
     verdict = result.verdict
     if not verdict.reason:
@@ -42,7 +42,7 @@ def status_in(line: str) -> str:
     return line.partition(":")[0]
 
 
-def read(text: str, file: str) -> tuple[str, Mapping[str, str]]:
+def parse_results(text: str, file: str) -> tuple[str, Mapping[str, str]]:
     """The implementation, and a line for each vector. Raises `UsageError` for anything else."""
     try:
         found = json.loads(text)
@@ -55,19 +55,19 @@ def read(text: str, file: str) -> tuple[str, Mapping[str, str]]:
     return str(found.get("implementation")), found["results"]
 
 
-def kept() -> dict[str, Mapping[str, str]]:
+def shipped_results() -> dict[str, Mapping[str, str]]:
     """The results that ship, by implementation."""
     folder = files("scenic_ref.conformance").joinpath("results")
     shipped = sorted((p for p in folder.iterdir() if p.name.startswith("scenic-")), key=lambda p: p.name)
-    return dict(read(p.read_text("utf-8"), p.name) for p in shipped)
+    return dict(parse_results(p.read_text("utf-8"), p.name) for p in shipped)
 
 
 def lines_at(path: Path) -> Mapping[str, str]:
     """The line of each vector in a file of results. Raises `UsageError` if it cannot be read, or is none."""
-    return read(read_text(path, "a file of results"), str(path))[1]
+    return parse_results(read_text(path, "a file of results"), str(path))[1]
 
 
 def changes(before: Mapping[str, str], results: Sequence[Result]) -> list[str]:
     """What is not as before: a line for each vector that is in both."""
-    now = {result.vector.name: line_of(result) for result in results}
+    now = {result.vector.name: verdict_line(result) for result in results}
     return [f"{name}: was {before[name]}; is {now[name]}" for name in sorted(now) if name in before and before[name] != now[name]]

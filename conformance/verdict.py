@@ -24,16 +24,16 @@ class VectorVerdict:
 PASSED = VectorVerdict("passed")
 
 
-def failed(reason: str) -> VectorVerdict:
+def failed_verdict(reason: str) -> VectorVerdict:
     """The implementation disagrees with the vector."""
     return VectorVerdict("failed", reason)
 
 
-def skipped(reason: str) -> VectorVerdict:
+def skipped_verdict(reason: str) -> VectorVerdict:
     """The vector does not apply to the implementation."""
     return VectorVerdict("skipped", reason)
 
 
-def errored(reason: str) -> VectorVerdict:
+def errored_verdict(reason: str) -> VectorVerdict:
     """The implementation or the harness crashed."""
     return VectorVerdict("errored", reason)

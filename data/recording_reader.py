@@ -50,7 +50,7 @@ class Recording(NamedTuple):
 def recording_from(line: bytes) -> Recording:
     """The simulation of one line of a file. Raises `UsageError`."""
     try:
-        value = json.loads(line.decode("utf-8"), parse_constant=refuse_number, parse_float=finite)
+        value = json.loads(line.decode("utf-8"), parse_constant=refuse_number, parse_float=parse_finite)
     except RecursionError:
         raise UsageError("it is nested too deeply") from None
     except ValueError as problem:
@@ -64,7 +64,7 @@ def refuse_number(text: str) -> NoReturn:
     raise ValueError(f"{text} is not a number")
 
 
-def finite(text: str) -> float:
+def parse_finite(text: str) -> float:
     """A number with a fraction or an exponent. Raises `ValueError` if it is too large."""
     number = float(text)
     return number if math.isfinite(number) else refuse_number(text)
@@ -75,8 +75,8 @@ def recording_of(value: object) -> Recording:
     if not isinstance(value, Mapping) or value.get("schema") != SCHEMA:
         raise UsageError(f"it is not a simulation of the format {SCHEMA}", hint="`scenic-ref simulate -o PATH` writes them")
     scene = has(value, "scene", Mapping, "the simulation")
-    seed, run = whole(value, "seed", "the simulation"), whole(value, "run", "the simulation", 0)
-    attempts, scene_attempts = (whole(one, "attempts", what, 1) for one, what in ((value, "the simulation"), (scene, "the scene")))
+    seed, run = integer_field(value, "seed", "the simulation"), integer_field(value, "run", "the simulation", 0)
+    attempts, scene_attempts = (integer_field(one, "attempts", what, 1) for one, what in ((value, "the simulation"), (scene, "the scene")))
     if (scene.get("seed"), scene.get("scene")) != (seed, run):
         raise UsageError(f"its scene is not that of seed {seed}, number {run}")
     timestep = real(value, "timestep", "the simulation")
@@ -112,14 +112,14 @@ def steps_of(values: list[object], first: int, last: int) -> tuple[RecordedStep,
 def step_of(value: object, number: int) -> RecordedStep:
     """A time step. Raises `UsageError`."""
     what = f"time step {number}"
-    if not isinstance(value, Mapping) or whole(value, "step", what) != number:
+    if not isinstance(value, Mapping) or integer_field(value, "step", what) != number:
         raise UsageError(f"{what} is missing, or not in its place")
     objects = has(value, "objects", list, what)
     for id, one in enumerate(objects):
         if not isinstance(one, Mapping) or one.get("id") != id:
             raise UsageError(f"object {id} of {what} is missing, or not in its place")
         if "position" in one:
-            vector(one, "position", f"object {id} of {what}")
+            vector_field(one, "position", f"object {id} of {what}")
     taken: dict[int, tuple[object, ...]] = {}
     for key, actions in has(value, "actions", Mapping, what).items():
         id = number_of(key, len(objects), what)
@@ -154,7 +154,7 @@ def body_of(value: object, id: int) -> Body:
     if "properties" not in value:
         raise UsageError(f"{what} has no properties: an earlier version recorded it", hint="record the simulation again")
     others = {name: value_of(one, what) for name, one in has(value, "properties", Mapping, what).items() if name not in OWN_FIELDS}
-    own = {"position": vector(value, "position", what), **{name: real(value, name, what) for name in ("heading", "width", "length")}}
+    own = {"position": vector_field(value, "position", what), **{name: real(value, name, what) for name in ("heading", "width", "length")}}
     return Body(id, has(value, "class", str, what), own | others)
 
 
@@ -163,7 +163,7 @@ def value_of(value: object, what: str, depth: int = 0) -> object:
     if depth > DEEPEST:
         raise UsageError(f"{what} is nested too deeply")
     match value:
-        case [x, y] if is_number(x) and is_number(y):
+        case [x, y] if fits_float(x) and fits_float(y):
             return Vector(x, y)
         case list():
             return tuple(value_of(one, what, depth + 1) for one in value)
@@ -188,7 +188,7 @@ KINDS: Mapping[type, str] = {str: "a text", list: "a list", Mapping: "an object"
 """In the words of JSON."""
 
 
-def whole(value: Mapping[str, object], name: str, what: str, least: int | None = None) -> int:
+def integer_field(value: Mapping[str, object], name: str, what: str, least: int | None = None) -> int:
     """A whole number. Raises `UsageError`."""
     found = value.get(name)
     if type(found) is not int or (least is not None and found < least):
@@ -199,20 +199,20 @@ def whole(value: Mapping[str, object], name: str, what: str, least: int | None =
 def real(value: Mapping[str, object], name: str, what: str) -> float:
     """A number. Raises `UsageError`."""
     found = value.get(name)
-    if not is_number(found):
+    if not fits_float(found):
         raise UsageError(f"{what} has no field {name} that is a number")
     return found  # type: ignore[return-value]
 
 
-def vector(value: Mapping[str, object], name: str, what: str) -> Vector:
+def vector_field(value: Mapping[str, object], name: str, what: str) -> Vector:
     """A position. Raises `UsageError`."""
     found = value.get(name)
-    if not (isinstance(found, list) and len(found) == 2 and all(map(is_number, found))):
+    if not (isinstance(found, list) and len(found) == 2 and all(map(fits_float, found))):
         raise UsageError(f"{what} has no field {name} that is a list of two numbers")
     return Vector(*found)
 
 
-def is_number(value: object) -> bool:
+def fits_float(value: object) -> bool:
     """Whether it is a number that is not too large for a float."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False

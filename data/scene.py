@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..interpreter.runtime.process_sandbox import timed
 from ..pictures.map_layers import site_of
-from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plotted
+from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plot_scene
 from ..pictures.scene_figures import picture
 from ..roads.user_maps import SiteMap
 from ..semantics.machine.config import State
@@ -88,10 +88,10 @@ def problem_of(scene: object) -> str:
         if not isinstance(o, dict) or not isinstance(o.get("properties", {}), dict):
             return f"objects[{i}] is not an object of the format"
         position = o.get("position")
-        if not (isinstance(position, list) and len(position) == 2 and is_number(position[0]) and is_number(position[1])):
+        if not (isinstance(position, list) and len(position) == 2 and is_int_or_float(position[0]) and is_int_or_float(position[1])):
             return f"objects[{i}].position is not a pair of numbers"
         for name in OWN_FIELDS[1:]:
-            if name in o and not is_number(o[name]):
+            if name in o and not is_int_or_float(o[name]):
                 return f"objects[{i}].{name} is not a number"
     return ""
 
@@ -101,7 +101,7 @@ def is_count(value: object) -> bool:
     return type(value) is int and value >= 1
 
 
-def is_number(value: object) -> bool:
+def is_int_or_float(value: object) -> bool:
     """Whether a value in JSON is a number."""
     return type(value) is float or type(value) is int
 
@@ -195,7 +195,7 @@ class Scene:
 
         Raises `UsageError` for what are no axes, and for coordinates that cannot be drawn.
         """
-        return plotted(self, ax)
+        return plot_scene(self, ax)
 
     def __repr__(self) -> str:
         return line_of_scene(self)

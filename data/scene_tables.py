@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .scene import in_utf8
-from .typed_columns import BOOL, FLOAT, INT64, TEXT, TypedColumn, chosen, column_of, joined, nothing
+from .typed_columns import BOOL, FLOAT, INT64, TEXT, TypedColumn, column_of, concatenate_columns, empty_column, select_rows
 
 ROWS_AT_ONCE = 1 << 16
 """Rows at which a group ends, with the first scene that reaches them."""
@@ -45,10 +45,10 @@ def column_name(part: str, name: str) -> str:
 def columns_of(scenes: Iterable[Mapping[str, Any]]) -> Columns:
     """The columns of scenes in the scene format."""
     rows = [row for scene in scenes for row in rows_of(scene)]
-    return {name: column_of([row.get(name) for row in rows]) for name in ordered({name for row in rows for name in row})}
+    return {name: column_of([row.get(name) for row in rows]) for name in order_columns({name for row in rows for name in row})}
 
 
-def ordered(names: Iterable[str]) -> list[str]:
+def order_columns(names: Iterable[str]) -> list[str]:
     """The names of the columns in the order of tables: those of their own, properties, parameters."""
     return [*OWN, *sorted({*names} - OWN.keys(), key=lambda name: (PARTS.index(name.partition(".")[0]), name))]
 
@@ -76,13 +76,13 @@ def together(pieces: Sequence[Columns]) -> Columns:
     """The rows of some columns after those of others; a column that one of them lacks has no values there."""
     if len(pieces) == 1:
         return pieces[0]
-    names = ordered({name for piece in pieces for name in piece})
-    return {name: joined([piece[name] if name in piece else nothing(rows_in(piece)) for piece in pieces]) for name in names}
+    names = order_columns({name for piece in pieces for name in piece})
+    return {name: concatenate_columns([piece[name] if name in piece else empty_column(rows_in(piece)) for piece in pieces]) for name in names}
 
 
 def some(columns: Columns, rows: slice | np.ndarray) -> Columns:
     """Some of the rows."""
-    return {name: chosen(column, rows) for name, column in columns.items()}
+    return {name: select_rows(column, rows) for name, column in columns.items()}
 
 
 def pieces_of(scenes: Iterable[Mapping[str, Any]]) -> Iterator[Columns]:

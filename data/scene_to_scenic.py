@@ -70,7 +70,7 @@ def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
     for o, own_name in zip(scene.objects, own_names, strict=True):
         reference = called.get(o.made)
         name = own_name or reference or ""
-        own, comments, awaiting = written(o, known, called, released=syntax.released)
+        own, comments, awaiting = object_specifiers(o, known, called, released=syntax.released)
         if o.name and o.name != name:
             comments.append(f"# {o.class_name}: its name was {o.name}")
         lines += [*comments, f"{name} = {new}{o.class_name} {', '.join(own)}" if name else f"{new}{o.class_name} {', '.join(own)}"]
@@ -146,10 +146,10 @@ def optional(begin: str, value: object, known: Writing) -> list[str]:
     try:
         return [f"{begin}{expression(value, known)}"]
     except Unwritten:
-        return [f"# {begin}{text_of(value)}"]
+        return [f"# {begin}{comment_text(value)}"]
 
 
-def written(o: SceneObject, known: Writing, called: Mapping[int | None, str], *, released: bool) -> tuple[list[str], list[str], list[str]]:
+def object_specifiers(o: SceneObject, known: Writing, called: Mapping[int | None, str], *, released: bool) -> tuple[list[str], list[str], list[str]]:
     """The specifiers of an object, for what is not the built-in default, comments for properties that no expression gives, and the names of those
     that hold objects made later, which are None at first.
     """
@@ -175,14 +175,14 @@ def written(o: SceneObject, known: Writing, called: Mapping[int | None, str], *,
         if text and name != "mutationScale":  # which would add noise again
             specifiers.append(f"with {spelled} {text}")
         else:
-            comments.append(f"# {o.name or o.class_name}: {name} was {text_of(value)}")
+            comments.append(f"# {o.name or o.class_name}: {name} was {comment_text(value)}")
     return specifiers, comments, awaiting
 
 
 DEFAULTS = {**built_in_defaults(OBJECT_CLASS), "visibleDistance": 50, "width": 1.0, "length": 1.0}
 
 
-def text_of(value: object) -> str:
+def comment_text(value: object) -> str:
     """What a value is, for a comment of one line."""
     return " ".join(stable_repr(unwrap(value)[0]).split())
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..interpreter.runtime.process_sandbox import timed
-from ..pictures.notebook_views import counted, short_text
+from ..pictures.notebook_views import count_phrase, short_text
 from .scene import OWN_FIELDS, Scene, in_json, json_value, portable
 
 SCHEMA = "scenic-ref/simulation/1"
@@ -41,7 +41,7 @@ class Moment(NamedTuple):
 
     def __repr__(self) -> str:
         happened = f", {short_text('; '.join(self.events))}" if self.events else ""
-        return f"<time step {self.step}, {counted(len(self.objects), 'object')}, {counted(len(self.actions), 'agent')} acting{happened}>"
+        return f"<time step {self.step}, {count_phrase(len(self.objects), 'object')}, {count_phrase(len(self.actions), 'agent')} acting{happened}>"
 
     def __reduce__(self) -> tuple[Callable[..., Moment], tuple[object, ...]]:
         """For `pickle`."""
@@ -64,8 +64,8 @@ class Simulated(NamedTuple):
 
     def __repr__(self) -> str:
         last = self.moments[-1].step if self.moments else 0
-        scene = f"simulation {self.scene.index} of seed {self.scene.seed}, {counted(len(self.scene.objects), 'object')}"
-        return f"<{scene}, {counted(last, 'time step')} ({last * self.timestep:g} s), {self.result}: {short_text(self.reason)}>"
+        scene = f"simulation {self.scene.index} of seed {self.scene.seed}, {count_phrase(len(self.scene.objects), 'object')}"
+        return f"<{scene}, {count_phrase(last, 'time step')} ({last * self.timestep:g} s), {self.result}: {short_text(self.reason)}>"
 
     def __reduce__(self) -> tuple[Callable[..., Simulated], tuple[object, ...]]:
         """For `pickle`; see `SceneObject.__reduce__`."""

@@ -22,7 +22,7 @@ from ..interpreter.runtime.optional_packages import needed
 from ..interpreter.runtime.process_sandbox import WALL
 from ..semantics.store.errors import UsageError
 from .scene import in_json
-from .scene_tables import OWN, PARTS, SCHEMA, Columns, Groups, ordered, part_of, rows_in
+from .scene_tables import OWN, PARTS, SCHEMA, Columns, Groups, order_columns, part_of, rows_in
 from .typed_columns import (
     BOOL,
     FLOAT,
@@ -32,17 +32,17 @@ from .typed_columns import (
     NOTHING,
     TEXT,
     TypedColumn,
-    alike,
     all_alike,
     as_kind,
+    broadcast_first_row,
     dtype_of,
+    empty_column,
     in_first_order,
     is_alike,
     joint,
-    length_of,
-    nothing,
     shown_kind,
     valid_in,
+    vector_length,
 )
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class Arrow:
 
     def type_of(self, kind: str) -> Any:
         """The type of Arrow."""
-        count = length_of(kind)
+        count = vector_length(kind)
         if count is not None:
             return self.arrow.list_(self.arrow.float64(), count)
         plain = {BOOL: self.arrow.bool_(), INT53: self.arrow.int64(), INT64: self.arrow.int64(), FLOAT: self.arrow.float64()}
@@ -103,7 +103,7 @@ class Arrow:
             return arrow.array(list(column.texts), type=kind).take(arrow.array(column.values, mask=mask))
         if column.kind == NOTHING:
             return arrow.nulls(column.rows, kind)
-        if length_of(column.kind) is None:
+        if vector_length(column.kind) is None:
             return arrow.array(column.values, type=kind, mask=mask)
         inner = arrow.array(column.values.ravel())
         return arrow.FixedSizeListArray.from_arrays(inner, type=kind, mask=None if mask is None else arrow.array(mask))
@@ -211,7 +211,7 @@ class ArrowStream:
         """The columns of a group in the types of the stream."""
         assert self.made is not None
         rows = rows_in(group)
-        return {name: as_kind(group.get(name, nothing(rows)), kind) for name, kind in self.made.kinds.items()}
+        return {name: as_kind(group.get(name, empty_column(rows)), kind) for name, kind in self.made.kinds.items()}
 
     def finish(self) -> None:
         """Write what is left, and the end."""
@@ -286,12 +286,12 @@ class Spool:
         self.file.seek(stored.place)
         found = np.empty((1, *stored.shape[1:]) if stored.alike else stored.shape, stored.dtype)
         self.file.readinto(found.data)  # type: ignore[attr-defined]
-        return alike(found, stored.shape[0]) if stored.alike else found
+        return broadcast_first_row(found, stored.shape[0]) if stored.alike else found
 
     @property
     def kinds(self) -> Kinds:
         """The type of each column."""
-        return {name: self.types[name] for name in ordered(self.types)}
+        return {name: self.types[name] for name in order_columns(self.types)}
 
     @property
     def rows(self) -> int:
@@ -315,7 +315,7 @@ class Spool:
     def piece(self, rows: int, piece: Stored | None) -> TypedColumn:
         """What was written of a column."""
         if piece is None:
-            return nothing(rows)
+            return empty_column(rows)
         values, valid, texts = self.array(piece.values), None if piece.valid is None else self.array(piece.valid), ()
         if piece.kind in (TEXT, JSON):
             self.file.seek(piece.texts)
@@ -396,12 +396,12 @@ class ParquetTable(TableFile):
         from pyarrow import parquet
 
         made, first = Arrow(spool.kinds), next(spool.read(), {})
-        with room_to_write(), parquet.ParquetWriter(target, made.schema, **encoding(first)) as writer:
+        with room_to_write(), parquet.ParquetWriter(target, made.schema, **parquet_encoding(first)) as writer:
             for group in spool.read():
                 writer.write_batch(made.batch(group), row_group_size=rows_in(group))
 
 
-def encoding(first: Columns) -> dict[str, Any]:
+def parquet_encoding(first: Columns) -> dict[str, Any]:
     """How the columns of a Parquet file are encoded, by the first group.
 
     Few values are written as places among them, the numbers of scenes as differences. Columns of reals that are nearly all distinct are not
@@ -411,7 +411,7 @@ def encoding(first: Columns) -> dict[str, Any]:
     distinct = {name: distinct_in(c.values) for name, c in first.items() if name not in texts and c.values.ndim == 1}
     few = [name for name, count in distinct.items() if count <= FEW and name != "scene"]
     many = {name for name, count in distinct.items() if count > 0.95 * SOME and first[name].kind == FLOAT}
-    compressed = [name if length_of(column.kind) is None else f"{name}.list.element" for name, column in first.items() if name not in many]
+    compressed = [name if vector_length(column.kind) is None else f"{name}.list.element" for name, column in first.items() if name not in many]
     return {
         "use_dictionary": texts + few, "column_encoding": {"scene": "DELTA_BINARY_PACKED"}, "write_statistics": ["scene"],
         "compression": dict.fromkeys(compressed, "zstd"), "compression_level": dict.fromkeys(compressed, 1),
@@ -452,7 +452,7 @@ class NpzTable(TableFile):
             described = {"schema": SCHEMA, "columns": {name: shown_kind(kind) for name, kind in spool.kinds.items()}}
             archive.writestr(zipfile.ZipInfo("schema.json"), in_json(described))  # the date of a member is always 1980
             for name, kind in spool.kinds.items():
-                count = length_of(kind)
+                count = vector_length(kind)
                 texts = write_member(archive, name, dtype_of(kind), (spool.rows,) if count is None else (spool.rows, count), spool.column(name))
                 if kind in (TEXT, JSON):
                     archive.writestr(zipfile.ZipInfo(f"{name}.jsonl"), "".join(f"{text if kind == JSON else in_json(text)}\n" for text in texts))
@@ -495,7 +495,7 @@ def cells(column: TypedColumn) -> list[str]:
         shown = [str(column.texts[k]) for k in column.values.tolist()]
     elif column.kind == BOOL:
         shown = ["true" if v else "false" for v in column.values.tolist()]
-    elif length_of(column.kind) is not None:
+    elif vector_length(column.kind) is not None:
         shown = [json.dumps(row) for row in column.values.tolist()]
     else:
         shown = list(map(repr, column.values.tolist()))

@@ -15,7 +15,7 @@ import numpy as np
 from .scene import SURROGATE, in_json
 
 NOTHING, BOOL, INT53, INT64, FLOAT, TEXT, JSON = "nothing", "bool", "int53", "int64", "float64", "text", "json"
-"""The types but for lists of numbers: n of them are `vector(n)`. An `int53` is a float64 without loss, and joins numbers that are none."""
+"""The types but for lists of numbers: n of them are `vector_type(n)`. An `int53` is a float64 without loss, and joins numbers that are none."""
 EXACT = 2**53
 NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 """Numbers that JSON does not have are {"repr": NAME} in the scene format."""
@@ -38,12 +38,12 @@ class TypedColumn(NamedTuple):
         return len(self.values)
 
 
-def vector(count: int) -> str:
+def vector_type(count: int) -> str:
     """The type of lists of so many numbers."""
     return f"float64[{count}]"
 
 
-def length_of(kind: str) -> int | None:
+def vector_length(kind: str) -> int | None:
     """How many numbers the lists of a type have, None for other types."""
     return int(kind[8:-1]) if kind.startswith("float64[") else None
 
@@ -64,7 +64,7 @@ def kind_of(value: object) -> str:
         case {"repr": str(name), **others} if name in NOT_FINITE and not others:
             return FLOAT
         case [_, *_] if all(kind_of(v) in (INT53, FLOAT) and not isinstance(v, dict) for v in value):
-            return vector(len(value))
+            return vector_type(len(value))
         case _:
             return JSON
 
@@ -102,7 +102,7 @@ def json_text(value: object) -> str:
     kind = kind_of(value)
     if kind in (INT53, INT64, FLOAT):
         return number_text(NOT_FINITE[value["repr"]] if isinstance(value, dict) else value)  # type: ignore[arg-type]
-    if length_of(kind) is not None:
+    if vector_length(kind) is not None:
         return list_text(value)  # type: ignore[arg-type]
     return in_json(value, allow_nan=True)
 
@@ -117,8 +117,8 @@ def column_of(values: Sequence[object]) -> TypedColumn:
     kind = reduce(joint, map(kind_of, values), NOTHING)
     valid = None if None not in values else np.array([v is not None for v in values])
     if kind in (TEXT, JSON):
-        return coded(kind, [None if v is None else str(v) if kind == TEXT else json_text(v) for v in values])
-    if (count := length_of(kind)) is not None:
+        return encode_texts(kind, [None if v is None else str(v) if kind == TEXT else json_text(v) for v in values])
+    if (count := vector_length(kind)) is not None:
         return TypedColumn(kind, np.array([[0.0] * count if v is None else v for v in values], dtype=float).reshape(-1, count), (), valid)
     return TypedColumn(kind, np.array([0 if v is None else number_in(v) for v in values], dtype=dtype_of(kind)), (), valid)
 
@@ -128,7 +128,7 @@ def number_in(value: Any) -> float:
     return NOT_FINITE[value["repr"]] if isinstance(value, dict) else value
 
 
-def coded(kind: str, values: Iterable[str | None]) -> TypedColumn:
+def encode_texts(kind: str, values: Iterable[str | None]) -> TypedColumn:
     """A column of texts, equal ones once, in the order in which they come first."""
     places: dict[str, int] = {}
     codes = np.array([-1 if v is None else places.setdefault(v, len(places)) for v in values], dtype=np.int64)
@@ -138,20 +138,20 @@ def coded(kind: str, values: Iterable[str | None]) -> TypedColumn:
 
 def dtype_of(kind: str) -> np.dtype[Any]:
     """The NumPy type of the values, or of the places of texts."""
-    return np.dtype({BOOL: "bool", FLOAT: "float64"}.get(kind, "float64" if length_of(kind) is not None else "int64"))
+    return np.dtype({BOOL: "bool", FLOAT: "float64"}.get(kind, "float64" if vector_length(kind) is not None else "int64"))
 
 
-def constant(value: object, count: int) -> TypedColumn:
+def constant_column(value: object, count: int) -> TypedColumn:
     """A value of the scene format in each row."""
-    return repeated(column_of([value]), count)
+    return repeat_first_row(column_of([value]), count)
 
 
-def repeated(column: TypedColumn, count: int) -> TypedColumn:
+def repeat_first_row(column: TypedColumn, count: int) -> TypedColumn:
     """The first row of a column, so many times, but once in memory."""
-    return column._replace(values=alike(column.values, count), valid=None if column.valid is None else alike(column.valid, count))
+    return column._replace(values=broadcast_first_row(column.values, count), valid=None if column.valid is None else broadcast_first_row(column.valid, count))
 
 
-def alike(array: np.ndarray, count: int) -> np.ndarray:
+def broadcast_first_row(array: np.ndarray, count: int) -> np.ndarray:
     """The first row of an array, so many times: a view of it, which cannot be written."""
     return np.broadcast_to(array[:1], (count, *array.shape[1:]))
 
@@ -171,20 +171,20 @@ def all_alike(array: np.ndarray) -> bool:
 
 def again(column: TypedColumn, count: int) -> TypedColumn:
     """All rows of a column, so many times one after the other."""
-    return column._replace(values=tiled(column.values, count), valid=None if column.valid is None else tiled(column.valid, count))
+    return column._replace(values=tile_rows(column.values, count), valid=None if column.valid is None else tile_rows(column.valid, count))
 
 
-def tiled(array: np.ndarray, count: int) -> np.ndarray:
+def tile_rows(array: np.ndarray, count: int) -> np.ndarray:
     """All rows of an array, so many times one after the other; a view of the first, which cannot be written, if all are alike."""
-    return alike(array, len(array) * count) if all_alike(array) else np.tile(array, (count, *[1] * (array.ndim - 1)))
+    return broadcast_first_row(array, len(array) * count) if all_alike(array) else np.tile(array, (count, *[1] * (array.ndim - 1)))
 
 
-def taken(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
+def take_rows(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
     """Some rows, any number of times."""
     return column._replace(values=column.values[rows], valid=None if column.valid is None else column.valid[rows])
 
 
-def nothing(count: int) -> TypedColumn:
+def empty_column(count: int) -> TypedColumn:
     """No value in any row."""
     return TypedColumn(NOTHING, np.zeros(count, dtype=np.int64), (), np.zeros(count, dtype=bool))
 
@@ -202,11 +202,11 @@ def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
     if column.kind == kind:
         return column
     if column.kind == NOTHING:
-        count = length_of(kind)
+        count = vector_length(kind)
         values = np.zeros(column.rows if count is None else (column.rows, count), dtype=dtype_of(kind))
         return TypedColumn(kind, values, ("",) if kind in (TEXT, JSON) else (), column.valid)
     if column.rows > 1 and is_alike(column.values) and (column.valid is None or is_alike(column.valid)):
-        return repeated(as_kind(chosen(column, slice(0, 1)), kind), column.rows)
+        return repeat_first_row(as_kind(select_rows(column, slice(0, 1)), kind), column.rows)
     if kind != JSON:
         return column._replace(kind=kind, values=column.values.astype(dtype_of(kind)))
     match column.kind:
@@ -221,12 +221,12 @@ def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
             return TypedColumn(JSON, np.arange(column.rows), [list_text(row) for row in column.values.tolist()], column.valid)
 
 
-def joined(columns: Sequence[TypedColumn]) -> TypedColumn:
+def concatenate_columns(columns: Sequence[TypedColumn]) -> TypedColumn:
     """The rows of some columns after those of others."""
     return put_together(columns, np.concatenate)
 
 
-def interleaved(columns: Sequence[TypedColumn]) -> TypedColumn:
+def interleave_columns(columns: Sequence[TypedColumn]) -> TypedColumn:
     """The first row of each column, then the second of each, ..."""
     return put_together(columns, in_turn)
 
@@ -244,14 +244,14 @@ def put_together(columns: Sequence[TypedColumn], arrange: Callable[[Sequence[np.
     kind = reduce(joint, (c.kind for c in columns))
     same = [as_kind(c, kind) for c in columns]
     values, texts = same_texts(same)
-    valid = None if all(c.valid is None for c in same) else arranged([valid_in(c) for c in same], arrange)
-    return TypedColumn(kind, arranged(values, arrange), texts, valid)
+    valid = None if all(c.valid is None for c in same) else arrange_arrays([valid_in(c) for c in same], arrange)
+    return TypedColumn(kind, arrange_arrays(values, arrange), texts, valid)
 
 
-def arranged(arrays: Sequence[np.ndarray], arrange: Callable[[Sequence[np.ndarray]], np.ndarray]) -> np.ndarray:
+def arrange_arrays(arrays: Sequence[np.ndarray], arrange: Callable[[Sequence[np.ndarray]], np.ndarray]) -> np.ndarray:
     """The rows of some arrays, `arrange` saying in which order; if all are alike, bit for bit, a view of the first."""
     if all(map(is_alike, arrays)) and len({a[:1].tobytes() for a in arrays}) == 1:
-        return alike(arrays[0], sum(map(len, arrays)))
+        return broadcast_first_row(arrays[0], sum(map(len, arrays)))
     return arrange(arrays)
 
 
@@ -268,7 +268,7 @@ def same_texts(columns: Sequence[TypedColumn]) -> tuple[list[np.ndarray], Sequen
             begun[known] = len(texts)
             texts += column.texts
         place = begun[known]
-        values.append(alike(column.values[:1] + place, column.rows) if is_alike(column.values) else column.values + place if place else column.values)
+        values.append(broadcast_first_row(column.values[:1] + place, column.rows) if is_alike(column.values) else column.values + place if place else column.values)
     return values, texts
 
 
@@ -277,7 +277,7 @@ def valid_in(column: TypedColumn) -> np.ndarray:
     return np.ones(column.rows, dtype=bool) if column.valid is None else column.valid
 
 
-def chosen(column: TypedColumn, rows: slice | np.ndarray) -> TypedColumn:
+def select_rows(column: TypedColumn, rows: slice | np.ndarray) -> TypedColumn:
     """Some of the rows, of the type that they have."""
     valid = None if column.valid is None else column.valid[rows]
     values: np.ndarray = column.values[rows]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..data.simulation import Simulated
 from ..pictures.map_layers import Window, draw_lights, draw_site
 from ..pictures.movies import Course, courses_of
-from ..pictures.scene_figures import INK, draw_land, draw_scale, new_figure, written
+from ..pictures.scene_figures import INK, draw_land, draw_scale, figure_bytes, new_figure
 from ..roads.network import MapWorkspace
 from ..semantics.space.geometry import corners, direction
 
@@ -36,7 +36,7 @@ def contact_sheet(simulation: Simulated, steps: Sequence[int], *, columns: int =
         x, y = (west + east) / 2, (south + north) / 2
         window = (x - across / 2, y - across / 2, x + across / 2, y + across / 2)
         draw_moment(figure.add_subplot(rows, columns, number + 1), simulation, courses, step, window)
-    return written(figure, "png")
+    return figure_bytes(figure, "png")
 
 
 def window_of(courses: Sequence[Course], step: int) -> Window:

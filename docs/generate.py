@@ -14,8 +14,8 @@ import scenic_ref
 from code_pages import cell, command_pages, commands_page, constructors_page, paragraph
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzz.triage import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
-from scenic_ref.conformance.known_differences import CLASSES, KnownCause, causes, shipped
-from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, completed, read_manifest
+from scenic_ref.conformance.known_differences import CLASSES, KnownCause, causes, shipped_differences
+from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, complete_listings, read_manifest
 from scenic_ref.conformance.measurements import measurements
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
@@ -231,7 +231,7 @@ def maps_page() -> str:
 
 def differences_page() -> str:
     """What the releases do otherwise: a table by chapter, then each cause with its passage and vectors."""
-    kept, known, vectors = results.kept(), shipped(), load_vectors()
+    kept, known, vectors = results.shipped_results(), shipped_differences(), load_vectors()
     names = list(kept)
     counts: dict[str, dict[str, Counter[str]]] = {}
     for vector in vectors:
@@ -343,7 +343,7 @@ def listings_page() -> str:
         sections = dict.fromkeys(listings[name].section for name in program.listings)
         names = [f'"{section}"' for section in sections]
         lines += [f"## `{program.file}`", "", paragraph(f"Section {', '.join(names)}. {program.around}"), "", "```diff"]
-        for line in completed((LISTINGS / program.file).read_text(encoding="utf-8"), [listings[name] for name in program.listings]):
+        for line in complete_listings((LISTINGS / program.file).read_text(encoding="utf-8"), [listings[name] for name in program.listings]):
             lines += [f"- {line.printed}"] if line.printed else []
             lines.append(f"{'  ' if line.origin is LineOrigin.PRINTED else '+ '}{line.text}".rstrip())
         readings = "".join(f" --reading {name}={value}" for name, value in program.readings.items())

@@ -16,7 +16,7 @@ import scenic_ref
 from rich.console import Console
 from rich.text import Text
 from scenic_ref.pictures.movies import movie
-from scenic_ref.pictures.scene_figures import SIDE, colours_of, draw, new_figure, views_of, written
+from scenic_ref.pictures.scene_figures import SIDE, colours_of, draw, figure_bytes, new_figure, views_of
 
 ROOT = Path(__file__).resolve().parents[1]
 PLACE = Path(__file__).parent / "images"
@@ -41,7 +41,7 @@ def scenes() -> bytes:
         axes = figure.add_subplot(2, 3, number)
         draw(axes, scene, None, colours_of([scene]), *views_of([scene]), small=True)
         axes.set_title(title, fontsize=10)
-    return written(figure, "png")
+    return figure_bytes(figure, "png")
 
 
 def simulation() -> bytes:

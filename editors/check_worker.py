@@ -17,7 +17,7 @@ from queue import SimpleQueue
 from typing import BinaryIO
 
 from ..api import loads
-from ..api.diagnostics import checked, of_error, of_warning, record
+from ..api.diagnostics import check_and_rehearse, diagnostic_json, of_error, of_warning
 from ..interpreter.runtime.limits import Limits
 from ..interpreter.runtime.process_sandbox import WALL
 from ..semantics.store.errors import RunError, ScenicError
@@ -30,7 +30,7 @@ def diagnostics_of(request: Request) -> list[dict[str, object]]:
     file, text, folder = str(request["file"]), str(request["text"]), request["folder"]
     WALL.build(Limits(int(str(request["memory"])), float(str(request["seconds"]))))
     try:
-        scenario, warnings, error = checked(partial(loads, text, file=file, directory=None if folder is None else Path(str(folder))))
+        scenario, warnings, error = check_and_rehearse(partial(loads, text, file=file, directory=None if folder is None else Path(str(folder))))
         del scenario
     except ScenicError as problem:
         warnings, error = [], problem
@@ -38,10 +38,10 @@ def diagnostics_of(request: Request) -> list[dict[str, object]]:
         warnings, error = [], RunError("this needs more memory than a program may have while it is checked")
     finally:
         WALL.open()
-    return [*(record(of_error(one, file)) for one in (error,) if one is not None), *(record(of_warning(one)) for one in warnings)]
+    return [*(diagnostic_json(of_error(one, file)) for one in (error,) if one is not None), *(diagnostic_json(of_warning(one)) for one in warnings)]
 
 
-def answer(line: bytes) -> dict[str, object]:
+def answer_check(line: bytes) -> dict[str, object]:
     """The answer to a request; what is no fault of the program is told as `failure`."""
     try:
         return {"diagnostics": diagnostics_of(json.loads(line))}
@@ -56,7 +56,7 @@ def listen(requests: BinaryIO, waiting: SimpleQueue[bytes]) -> None:
     os._exit(0)
 
 
-def serve() -> None:
+def serve_checks() -> None:
     """Say by a line that there is somebody, then answer requests in their order.
 
     Programs, and what they import, have neither the standard input nor the output.
@@ -71,9 +71,9 @@ def serve() -> None:
         answers.write(b"{}\n")
         answers.flush()
         while True:
-            answers.write(json.dumps(answer(waiting.get())).encode() + b"\n")
+            answers.write(json.dumps(answer_check(waiting.get())).encode() + b"\n")
             answers.flush()
 
 
 if __name__ == "__main__":
-    sys.exit(serve())
+    sys.exit(serve_checks())

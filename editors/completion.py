@@ -13,7 +13,7 @@ from ..semantics.machine.values import Constructor
 from ..semantics.python.builtins import BUILTINS
 from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
 from ..semantics.store.scenic_classes import ScenicClass
-from .name_scopes import Meaning, NameFinder, around, line_of
+from .name_scopes import Meaning, NameFinder, around, definition_line
 from .place_meanings import PARAMETERS, class_built, module_named, param, same_brackets
 from .tokens import Line, TextPiece, lines, phrase_at, piece_at
 from .word_meanings import about_built_in_property, about_word, signature
@@ -124,11 +124,11 @@ def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> li
         return []
     prefix = PREFIX.search(text[max(0, offset - 200) : offset])
     start = offset - len(prefix[0] if prefix is not None else "")
-    before = text[beginning(text, start) : start]
+    before = text[statement_start_before(text, start) : start]
     written = before + HOLE
     place = CompletedPlace(finder, lines(written)[-1], finder.visible(start), start, text[start:offset], written)
     found: dict[str, Completion] = {}
-    for one in (*begun_phrases(place), *offered(place)):
+    for one in (*begun_phrases(place), *possible_completions(place)):
         found.setdefault(one.label, one)
     likely = place.words[:1] in (("import",), ("from",), ("model",))
     return [one for one in found.values() if not unasked or likely or (one.kind == "property" and place.words) or one.detail == "specifier"]
@@ -136,16 +136,16 @@ def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> li
 
 def is_dumb(piece: TextPiece, offset: int) -> bool:
     """Whether nothing is suggested at an index of a piece: in comments, texts and numbers."""
-    return piece.kind in ("comment", "number") or (piece.kind == "string" and not closed(piece, offset))
+    return piece.kind in ("comment", "number") or (piece.kind == "string" and not is_string_closed(piece, offset))
 
 
-def closed(string: TextPiece, offset: int) -> bool:
+def is_string_closed(string: TextPiece, offset: int) -> bool:
     """Whether an index is behind the end of a text, rather than in one that nobody closed yet."""
     body = string.text.lstrip("rRbBuUfF")
     return offset == string.end and len(body) > 1 and body[-1] == body[0] and not (body.startswith(body[0] * 3) and len(body) < 6)
 
 
-def beginning(text: str, offset: int) -> int:
+def statement_start_before(text: str, offset: int) -> int:
     """The beginning of a line that is not indented, some way before an index."""
     if offset <= LOOKED_AT:
         return 0
@@ -176,7 +176,7 @@ def phrase_suggestion(phrase: str, start: int, *kinds: str) -> Completion:
     return Completion(phrase, "keyword", start, kinds[0] if kinds else "" if word is None else word.kind, "" if word is None else about_word(word))
 
 
-def offered(place: CompletedPlace) -> Iterator[Completion]:
+def possible_completions(place: CompletedPlace) -> Iterator[Completion]:
     """What can stand at a place, by what stands before it."""
     words = place.words
     first, last = words[0] if words else "", words[-1] if words else ""
@@ -189,11 +189,11 @@ def offered(place: CompletedPlace) -> Iterator[Completion]:
     elif not words:
         yield from statement(place)
     elif not complete(place):
-        if last == "," and building(place):
+        if last == "," and is_in_object(place):
             yield from specifiers(place)
         yield from expression(place)
     else:
-        if building(place):
+        if is_in_object(place):
             yield from specifiers(place)
         yield from (phrase_suggestion(p, place.start, "operator") for p in (*INFIXES, *(RELEASED_INFIXES if place.released else ())))
 
@@ -207,7 +207,7 @@ def in_import(place: CompletedPlace, first: str) -> Iterator[Completion]:
         source = "".join(words[1 : words.index("import")])
         name = source.lstrip(".")
         module = finder.shelf.find(name, len(source) - len(name), finder.main)
-        yield from () if module is None else (named(n, m, place) for n, m in finder.exported(module, frozenset()).items())
+        yield from () if module is None else (name_completion(n, m, place) for n, m in finder.exported(module, frozenset()).items())
     elif words[1:] and words[-1] not in (".", ",") and words[1:2] != (".",):
         yield Completion("import" if first == "from" else "as", "keyword", place.start)
     else:
@@ -224,9 +224,9 @@ def behind_dot(place: CompletedPlace) -> Iterator[Completion]:
     module = None if chain is None else module_named(finder, chain[1], place.names)
     if receiver == PARAMETERS:
         found = (d.name for d in finder.main.outline.children if d.kind == "param")
-        yield from (Completion(name, "variable", place.start, line_of(m)) for name in found if (m := param(finder, name)) is not None)
+        yield from (Completion(name, "variable", place.start, definition_line(m)) for name in found if (m := param(finder, name)) is not None)
     elif module is not None:
-        yield from (named(name, meaning, place) for name, meaning in finder.members(module).items())
+        yield from (name_completion(name, meaning, place) for name, meaning in finder.members(module).items())
     else:
         class_ = finder.class_of(receiver, place.start, place.names) if chain is not None and "." not in chain[1] else None
         yield from properties(place, class_, methods=True)
@@ -241,10 +241,10 @@ def properties(place: CompletedPlace, class_: str | None, *, methods: bool = Fal
             yield Completion(one.name, "property", place.start, f"property of {one.owner}", about_built_in_property(one.name))
         elif one.meaning.definition is not None and (one.meaning.definition.kind == "property" or methods):
             kind = one.meaning.definition.kind if one.meaning.definition.kind == "property" else "method"
-            yield Completion(one.name, kind, place.start, f"{line_of(one.meaning)} (of {one.owner})", about_built_in_property(one.name))
+            yield Completion(one.name, kind, place.start, f"{definition_line(one.meaning)} (of {one.owner})", about_built_in_property(one.name))
 
 
-def building(place: CompletedPlace) -> bool:
+def is_in_object(place: CompletedPlace) -> bool:
     """Whether the words before a place, in the same brackets, make an object: a class begins them, or a name that is not known but looks like one."""
     if place.words[0] == "override":
         return True
@@ -258,10 +258,10 @@ def building(place: CompletedPlace) -> bool:
     if not inside or inside[0].kind != "name" or place.line.pieces[place.line.pieces.index(inside[0]) + 1].text == "(":
         return False
     name = inside[0].text
-    return place.finder.is_class(name, place.names) or ((qualified or unknown(name, place.names)) and name[:1].isupper())
+    return place.finder.is_class(name, place.names) or ((qualified or is_undefined(name, place.names)) and name[:1].isupper())
 
 
-def unknown(name: str, names: Mapping[str, Meaning]) -> bool:
+def is_undefined(name: str, names: Mapping[str, Meaning]) -> bool:
     """Whether nothing that can be found defines a name."""
     return name not in names and name not in BUILTINS
 
@@ -293,16 +293,16 @@ def statement(place: CompletedPlace) -> Iterator[Completion]:
 
 def expression(place: CompletedPlace) -> Iterator[Completion]:
     """What an expression can begin with: names of the text and of the language, and prefix operators."""
-    yield from (named(name, meaning, place) for name, meaning in place.names.items())
+    yield from (name_completion(name, meaning, place) for name, meaning in place.names.items())
     yield from (built_in(name, place.start) for name in BUILTINS)
     yield from (Completion(name, "variable", place.start) for name in ("ego", "self", "workspace"))
     yield from (phrase_suggestion(p, place.start, "operator") for p in (*PREFIXES, *(RELEASED_PREFIXES if place.released else ())))
 
 
-def named(name: str, meaning: Meaning, place: CompletedPlace) -> Completion:
+def name_completion(name: str, meaning: Meaning, place: CompletedPlace) -> Completion:
     """A name that a text or a module defines."""
     kind = "module" if meaning.whole else "variable" if meaning.definition is None else meaning.definition.kind
-    return Completion(name, kind, place.start, line_of(meaning) if meaning.definition is not None else meaning.module.name)
+    return Completion(name, kind, place.start, definition_line(meaning) if meaning.definition is not None else meaning.module.name)
 
 
 def built_in(name: str, start: int) -> Completion:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..semantics.store.built_in_classes import BUILT_IN_CLASSES
-from .name_scopes import Inherited, Meaning, NameFinder, line_of
+from .name_scopes import Inherited, Meaning, NameFinder, definition_line
 from .place_meanings import Subject, subject_at
 from .positions import TextLines
 from .tokens import pieces
-from .word_meanings import about_built_in, about_built_in_property, about_word, marked, specifiers_of
+from .word_meanings import about_built_in, about_built_in_property, about_word, escape_markdown, specifiers_of
 
 MOST_PROPERTIES = 60
 
@@ -54,7 +54,7 @@ def defined_property(one: Inherited) -> str:
     """A property to which a class of a program gives a default, or a method of it."""
     assert one.meaning is not None
     kind = "property" if kind_of_member(one) == "property" else "method"
-    text = f"*{kind}* `{one.name}` of `{one.owner}`\n\n```scenic\n{line_of(one.meaning)}\n```\n\n{where(one.meaning)}"
+    text = f"*{kind}* `{one.name}` of `{one.owner}`\n\n```scenic\n{definition_line(one.meaning)}\n```\n\n{where(one.meaning)}"
     return text + (f"  \nspecified by {specifiers_of(one.name)}" if kind == "property" and not about_built_in_property(one.name) else "")
 
 
@@ -64,7 +64,7 @@ def about_meaning(finder: NameFinder, meaning: Meaning, name: str) -> str:
         return f"*module* `{marked_path(meaning)}`"
     if meaning.definition is None:
         return about_built_in(name) or f"```scenic\n{name}\n```\n\nof the module `{meaning.module.name}`"
-    parts = [f"```scenic\n{line_of(meaning)}\n```", marked(comment_above(meaning)), f"*{meaning.definition.kind}* {where(meaning)}"]
+    parts = [f"```scenic\n{definition_line(meaning)}\n```", escape_markdown(comment_above(meaning)), f"*{meaning.definition.kind}* {where(meaning)}"]
     if meaning.definition.kind == "class":
         parts.append(properties(finder, meaning))
     return "\n\n".join(part for part in parts if part)
@@ -78,7 +78,7 @@ def properties(finder: NameFinder, meaning: Meaning) -> str:
     found = list(finder.properties(name, names))
     first = {one.name: one for one in reversed(found) if kind_of_member(one) == "property"}
     wanted = [one for one in found if first.get(one.name) is one][:MOST_PROPERTIES]
-    lines = [f"- `{line_of(one.meaning)}`" + owner(one, meaning) for one in wanted if one.meaning is not None]
+    lines = [f"- `{definition_line(one.meaning)}`" + owner(one, meaning) for one in wanted if one.meaning is not None]
     above = next((one.owner for one in found if one.meaning is None and one.owner in BUILT_IN_CLASSES), "")
     return "\n".join([*lines, f"- the properties of `{above}`"] if above else lines)
 

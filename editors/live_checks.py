@@ -60,16 +60,16 @@ class CheckingProcess:
             line = await asyncio.wait_for(process.stdout.readline(), self.wait)
         except TimeoutError:
             await self.end()
-            return [whole(text.file, f"checking the program took more than {self.wait:g} seconds, and was given up")]
+            return [whole_file_diagnostic(text.file, f"checking the program took more than {self.wait:g} seconds, and was given up")]
         except (OSError, ValueError):
             line = b""
         if not line.endswith(b"\n"):
             await self.end()
-            return [whole(text.file, "the process that checks programs ended unexpectedly: does the program need more memory than there is?")]
+            return [whole_file_diagnostic(text.file, "the process that checks programs ended unexpectedly: does the program need more memory than there is?")]
         self.busy = False
         found = json.loads(line)
         if "failure" in found:
-            return [whole(text.file, f"internal error: {found['failure']}; this is a fault of scenic-ref, please report it with the program")]
+            return [whole_file_diagnostic(text.file, f"internal error: {found['failure']}; this is a fault of scenic-ref, please report it with the program")]
         return found["diagnostics"]
 
     async def ready(self) -> Process:
@@ -148,7 +148,7 @@ class CheckingQueue:
         await asyncio.sleep(delay)
         async with self.turn:
             if len(text.text) > LONGEST:
-                found = [whole(text.file, f"programs of more than {LONGEST:,} characters are not checked while they are typed", "information")]
+                found = [whole_file_diagnostic(text.file, f"programs of more than {LONGEST:,} characters are not checked while they are typed", "information")]
             else:
                 found = await self.process.check(text)
         self.publish(text, found)
@@ -168,6 +168,6 @@ class CheckingQueue:
         await self.process.end()
 
 
-def whole(file: str, message: str, severity: str = "error") -> dict[str, object]:
+def whole_file_diagnostic(file: str, message: str, severity: str = "error") -> dict[str, object]:
     """A diagnostic of a whole file."""
     return {"severity": severity, "kind": "not checked", "message": message, "file": file, "hint": "", "rule": "", "expected": []}

@@ -55,7 +55,7 @@ class ModuleShelf:
         """The module that `name`, with `level` dots before it, means in a module; as an import finds it: beside the program first."""
         folder = importer.folder
         found = None if folder is None else self.beside(beside(name, level or 1, "."), folder)
-        return found or (None if level else shipped(name))
+        return found or (None if level else shipped_module(name))
 
     def beside(self, key: str, folder: Path) -> SourceModule | None:
         """The module in a file of the folder, or below it."""
@@ -92,7 +92,7 @@ class ModuleShelf:
 
 
 @cache
-def shipped(name: str) -> SourceModule | None:
+def shipped_module(name: str) -> SourceModule | None:
     """A module that comes with the project, or one of Python that programs may import without trust."""
     if name in GIVEN_BY_MAPS:
         return SourceModule(name, None, names=GIVEN_BY_MAPS[name])

@@ -134,7 +134,7 @@ def around(root: Definition, offset: int) -> Iterator[Definition]:
         scope = next((child for child in scope.children if child.kind in SCOPES and child.holds(offset)), None)
 
 
-def line_of(meaning: Meaning) -> str:
+def definition_line(meaning: Meaning) -> str:
     """What defines something, in one line; of what has a block, the first line."""
     definition = meaning.definition
     if definition is None:

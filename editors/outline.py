@@ -18,7 +18,7 @@ EVERYTHING = "*"
 class Definition:
     """A name that a text defines, at `start` to `end`; what defines it reaches from `first` to `last`.
 
-    `kind` is class, function, behavior, monitor, scenario, variable, parameter, property, param (a global parameter) or import. `made` is the
+    `kind` is class, function, behavior, monitor, scenario, variable, parameter, property, param (a global parameter) or import. `constructed_class` is the
     class of what a variable is assigned, or a class is derived from. Of imports, `module` with `level` dots before it is the module, and
     `member` the name in it, \"*\" for all of them.
     """
@@ -68,21 +68,21 @@ def definitions(line: Line, home: str) -> Iterator[Definition]:
     elif words[0] == "from" and "import" in words:
         yield from imports_from(line)
     elif words[0] == "model" and len(words) > 1 and pieces[1].kind == "name":
-        yield named(pieces[1], "import", line, module="".join(words[1:]), member=EVERYTHING)
+        yield piece_definition(pieces[1], "import", line, module="".join(words[1:]), member=EVERYTHING)
     elif words[0] == "param":
-        yield from (named(p, "param", line) for p, after in zip(pieces[1:], words[2:]) if after == "=" and p.kind in ("name", "string"))
+        yield from (piece_definition(p, "param", line) for p, after in zip(pieces[1:], words[2:]) if after == "=" and p.kind in ("name", "string"))
     elif words[0] == "for":
         stop = words.index("in") if "in" in words else len(words)
-        yield from (named(piece, "variable", line) for piece in pieces[1:stop] if piece.kind == "name")
+        yield from (piece_definition(piece, "variable", line) for piece in pieces[1:stop] if piece.kind == "name")
     elif words[0] == "except" and "as" in words[:-2]:
-        yield named(pieces[words.index("as") + 1], "variable", line)
+        yield piece_definition(pieces[words.index("as") + 1], "variable", line)
     elif home == "class" and is_property(pieces):
-        yield named(pieces[0], "property", line, made=made(pieces[words.index(":") + 1 :]))
+        yield piece_definition(pieces[0], "property", line, made=constructed_class(pieces[words.index(":") + 1 :]))
     else:
         yield from assignments(line)
 
 
-def named(
+def piece_definition(
     piece: TextPiece, kind: str, line: Line, *, made: tuple[str, ...] = (), module: str = "", level: int = 0, member: str = ""
 ) -> Definition:
     """A definition by one piece of a statement."""
@@ -94,9 +94,9 @@ def definition_of(line: Line) -> Definition:
     """A class with the classes that it is derived from, or a function, behavior, monitor or scenario with its parameters."""
     kind = OPENERS[line.words[0]]
     inside = list(parameters(line.pieces[2:]))
-    found = named(line.pieces[1], kind, line, made=tuple(p.text for p in inside) if kind == "class" else ())
+    found = piece_definition(line.pieces[1], kind, line, made=tuple(p.text for p in inside) if kind == "class" else ())
     if kind != "class":
-        found.children = [named(piece, "parameter", Line((piece,), line.indent)) for piece in inside]
+        found.children = [piece_definition(piece, "parameter", Line((piece,), line.indent)) for piece in inside]
     return found
 
 
@@ -117,13 +117,13 @@ def parameters(pieces: Sequence[TextPiece]) -> Iterator[TextPiece]:
 
 def imports(line: Line) -> Iterator[Definition]:
     """`import a.b as c, d`."""
-    for part in split(line.pieces[1:]):
+    for part in split_at_commas(line.pieces[1:]):
         words = [piece.text for piece in part]
         if not part or part[0].kind != "name":
             continue
         stop = words.index("as") if "as" in words else len(words)
         alias = part[stop + 1] if stop + 1 < len(part) else part[0]
-        yield named(alias, "import", line, module="".join(words[:stop]))
+        yield piece_definition(alias, "import", line, module="".join(words[:stop]))
 
 
 def imports_from(line: Line) -> Iterator[Definition]:
@@ -133,13 +133,13 @@ def imports_from(line: Line) -> Iterator[Definition]:
     source = "".join(words[1:place])
     module = source.lstrip(".")
     level = len(source) - len(module)
-    for part in split([piece for piece in line.pieces[place + 1 :] if piece.text not in "()"]):
+    for part in split_at_commas([piece for piece in line.pieces[place + 1 :] if piece.text not in "()"]):
         if part and (part[0].kind == "name" or part[0].text == EVERYTHING):
             alias = part[2] if len(part) > 2 and part[1].text == "as" else part[0]
-            yield named(alias, "import", line, module=module, level=level, member=part[0].text)
+            yield piece_definition(alias, "import", line, module=module, level=level, member=part[0].text)
 
 
-def split(pieces: Sequence[TextPiece]) -> Iterator[list[TextPiece]]:
+def split_at_commas(pieces: Sequence[TextPiece]) -> Iterator[list[TextPiece]]:
     """The parts between commas."""
     current: list[TextPiece] = []
     for piece in pieces:
@@ -169,9 +169,9 @@ def assignments(line: Line) -> Iterator[Definition]:
                 return
             targets += target_names(pieces[start:number])
             start = number + 1
-    value = made(pieces[start:]) if targets else ()
+    value = constructed_class(pieces[start:]) if targets else ()
     for piece in targets:
-        yield named(piece, "variable", line, made=value)
+        yield piece_definition(piece, "variable", line, made=value)
 
 
 def target_names(pieces: Sequence[TextPiece]) -> Iterator[TextPiece]:
@@ -191,7 +191,7 @@ def target_names(pieces: Sequence[TextPiece]) -> Iterator[TextPiece]:
     yield from found
 
 
-def made(pieces: Sequence[TextPiece]) -> tuple[str, ...]:
+def constructed_class(pieces: Sequence[TextPiece]) -> tuple[str, ...]:
     """The class of an object that an expression makes, as far as its first words tell: `Car at ...`, `new lib.Car`."""
     start = 1 if pieces and pieces[0].text == "new" else 0
     while start + 2 < len(pieces) and pieces[start + 1].text == ".":

@@ -111,10 +111,10 @@ class ScenicServer(LanguageServer):
             start, end = (lines.index(int(str(record[f"{which}line"])), int(str(record[f"{which}column"]))) for which in ("", "end_"))
         else:
             start, end = 0, lines.stops[0]
-        message = "\n".join(str(part) for part in (record["message"], expected(record), record["hint"]) if part)
+        message = "\n".join(str(part) for part in (record["message"], expected_tokens_text(record), record["hint"]) if part)
         severity = "information" if record["rule"] == NO_EGO and ("line" not in record or is_bare(text.text)) else str(record["severity"])
         return types.Diagnostic(
-            between(lines, start, max(end, start)), f"{place_of(record)}: {message}" if elsewhere else message, SEVERITIES[severity],
+            editor_range(lines, start, max(end, start)), f"{diagnostic_place(record)}: {message}" if elsewhere else message, SEVERITIES[severity],
             code=str(record["rule"] or record["kind"]), source=SOURCE,
         )
 
@@ -140,7 +140,7 @@ class ScenicServer(LanguageServer):
         shown = hover(self.finder(document), lines.offset(params.position.line, params.position.character))
         if shown is None:
             return None
-        return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, shown.markdown), between(lines, shown.start, shown.end))
+        return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, shown.markdown), editor_range(lines, shown.start, shown.end))
 
     def completions_at(self, params: types.CompletionParams) -> types.CompletionList:
         """What can stand at a place; a space that was typed brings only what is likely behind one."""
@@ -167,7 +167,7 @@ class ScenicServer(LanguageServer):
             real = os.path.realpath(target.path)
             open_ = (d.uri for d in self.workspace.text_documents.values() if os.path.realpath(d.path) == real)
             uri = next(open_, None) or from_fs_path(str(target.path)) or uri
-        return types.Location(uri, between(self.lines(target.text), target.start, target.end))
+        return types.Location(uri, editor_range(self.lines(target.text), target.start, target.end))
 
     def symbols_of(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         """The outline of a document."""
@@ -175,18 +175,18 @@ class ScenicServer(LanguageServer):
         return [] if document is None else list(symbols(outline(document.source), self.lines(document.source)))
 
 
-def between(lines: TextLines, start: int, end: int) -> types.Range:
+def editor_range(lines: TextLines, start: int, end: int) -> types.Range:
     """A stretch of a text, as the editor counts."""
     return types.Range(types.Position(*lines.place(start)), types.Position(*lines.place(end)))
 
 
-def expected(record: dict[str, object]) -> str:
+def expected_tokens_text(record: dict[str, object]) -> str:
     """What the parser expected."""
     found = record["expected"]
     return f"expected {', '.join(map(str, found))}" if isinstance(found, list) and found else ""
 
 
-def place_of(record: dict[str, object]) -> str:
+def diagnostic_place(record: dict[str, object]) -> str:
     """The place of a diagnostic in another file."""
     return f"{Path(str(record['file'])).name}:{record['line']}:{record['column']}" if "line" in record else Path(str(record["file"])).name
 
@@ -196,7 +196,7 @@ def item(one: Completion, number: int, lines: TextLines, offset: int) -> types.C
     markdown = types.MarkupContent(types.MarkupKind.Markdown, one.markdown) if one.markdown else None
     return types.CompletionItem(
         one.label, kind=ITEMS.get(one.kind, types.CompletionItemKind.Text), detail=one.detail or None, documentation=markdown,
-        sort_text=f"{number:05}", filter_text=one.label, text_edit=types.TextEdit(between(lines, one.start, offset), one.label),
+        sort_text=f"{number:05}", filter_text=one.label, text_edit=types.TextEdit(editor_range(lines, one.start, offset), one.label),
     )  # fmt: skip
 
 
@@ -206,7 +206,7 @@ def symbols(definition: Definition, lines: TextLines) -> Iterator[types.Document
     for one in definition.children:
         if one.kind in SYMBOLS and one.name and not (one.kind == "variable" and one.name in seen):
             seen.add(one.name)
-            name, whole = between(lines, one.start, one.end), between(lines, min(one.first, one.start), max(one.last, one.end))
+            name, whole = editor_range(lines, one.start, one.end), editor_range(lines, min(one.first, one.start), max(one.last, one.end))
             yield types.DocumentSymbol(one.name, SYMBOLS[one.kind], whole, name, detail=one.kind, children=list(symbols(one, lines)))
 
 
@@ -252,7 +252,7 @@ def make_server(seconds: float) -> ScenicServer:
     return server
 
 
-def serve(stdin: BinaryIO, stdout: BinaryIO, seconds: float) -> None:
+def serve_editor(stdin: BinaryIO, stdout: BinaryIO, seconds: float) -> None:
     """Speak to an editor by two streams, until it says good-bye or closes them; `SystemExit` 1, as the protocol wants it, for `exit` alone."""
     server = make_server(seconds)
     server.protocol.set_writer(StdoutWriter(stdout))

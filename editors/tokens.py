@@ -96,7 +96,7 @@ def phrase_at(text: str, piece: TextPiece) -> Phrase | None:
 @lru_cache(maxsize=16)
 def lines(text: str) -> tuple[Line, ...]:
     """The statements of a text, the heads of blocks apart from what stands behind their colons."""
-    return tuple(line for whole in whole_lines(text) for line in apart(whole))
+    return tuple(line for whole in whole_lines(text) for line in split_statements(whole))
 
 
 def whole_lines(text: str) -> Iterator[Line]:
@@ -137,7 +137,7 @@ def indentation(text: str, row: list[TextPiece]) -> int:
     return len(text[start:stop].expandtabs(8))
 
 
-def apart(whole: Line) -> Iterator[Line]:
+def split_statements(whole: Line) -> Iterator[Line]:
     """The statements of a line: those between semicolons, and what stands behind the colon of the head of a block."""
     current: list[TextPiece] = []
     depth, indent = 0, whole.indent

@@ -172,7 +172,7 @@ def rules_of(beginnings: tuple[str, ...]) -> tuple[Rule, ...]:
     return tuple(rule for b in beginnings for rule in CATALOGUE if rule.id == b or rule.id.startswith(f"{b}-"))
 
 
-def marked(text: str) -> str:
+def escape_markdown(text: str) -> str:
     """A text as Markdown that shows it as it is, but for code between backticks."""
     parts = text.split("`")
     return "`".join(part if number % 2 else SPECIAL.sub(r"\\\1", part) for number, part in enumerate(parts))
@@ -197,7 +197,7 @@ def about_use(use: Use) -> str:
 
 def about_rule(rule: Rule) -> str:
     """A rule in Markdown: its id, what it says, what a specifier specifies, its place in the paper."""
-    return "  \n".join([f"**{rule.id}**", marked(rule.statement), *specified_by(rule.id), f"*{marked(rule.place)}*"])
+    return "  \n".join([f"**{rule.id}**", escape_markdown(rule.statement), *specified_by(rule.id), f"*{escape_markdown(rule.place)}*"])
 
 
 @cache
@@ -213,12 +213,12 @@ def specified_by(rule: str) -> Iterator[str]:
     for form in forms():
         if form.rule == rule:
             optional = form.optional + (("heading",) if form.heading_of_region else ())
-            text = "specifies " + quoted(form.specifies)
-            text += f", optionally {quoted(optional)}" if optional else ""
-            yield text + (f"; depends on {quoted(form.dependencies)}" if form.dependencies else "")
+            text = "specifies " + quote_names(form.specifies)
+            text += f", optionally {quote_names(optional)}" if optional else ""
+            yield text + (f"; depends on {quote_names(form.dependencies)}" if form.dependencies else "")
 
 
-def quoted(names: tuple[str, ...]) -> str:
+def quote_names(names: tuple[str, ...]) -> str:
     """Names as code."""
     return ", ".join(f"`{name}`" for name in names)
 
@@ -256,7 +256,7 @@ def about_built_in_property(name: str) -> str:
     if class_ is None:
         return ""
     lines = [
-        f"*property* `{name}` of `{class_.name}`", marked(MEANINGS[name]),
+        f"*property* `{name}` of `{class_.name}`", escape_markdown(MEANINGS[name]),
         f"a {kind_of(name)}, by default `{default_text(class_, known)}`".replace("a True", "True").replace("a any", "any"),
         f"specified by {specifiers_of(name)}",
     ]
@@ -278,13 +278,13 @@ def about_built_in(name: str) -> str:
     value = BUILTINS[name]
     lines = [f"```scenic\n{signature(name)}\n```"]
     if isinstance(value, ScenicClass):
-        lines += ["\n".join(f"- `{p}`: `{default_text(c, p)}`, {marked(MEANINGS[p])}" for c in value.lineage for p in c.own_defaults)]
+        lines += ["\n".join(f"- `{p}`: `{default_text(c, p)}`, {escape_markdown(MEANINGS[p])}" for c in value.lineage for p in c.own_defaults)]
     elif isinstance(value, Constructor):
         lines += [about_rule(rule) for rule in rules_of(("E-Distributions",))]
     elif name in NAMES_WITH_RULES:
         lines += [about_rule(rule) for rule in rules_of(NAMES_WITH_RULES[name])]
     elif callable(value) or type(value).__module__.startswith(OURS):
-        lines += [marked(first_sentence(value))]
+        lines += [escape_markdown(first_sentence(value))]
     return "\n\n".join(line for line in lines if line)
 
 

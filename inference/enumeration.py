@@ -19,7 +19,7 @@ from typing import NamedTuple
 from ..data.scene import Scene, scene_of
 from ..data.simulation import Simulated, to_json
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, run
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from ..semantics.machine.config import Config, State
 from ..semantics.machine.outcome import Draw, Requirement
 from ..semantics.space.distributions import Distribution, Numbers
@@ -102,9 +102,9 @@ class Enumeration:
     discretized: int | None = None
 
     def __repr__(self) -> str:
-        exact = "exact" if self.discretized is None else f"an approximation by {counted(self.discretized, 'value')} for each continuous draw"
+        exact = "exact" if self.discretized is None else f"an approximation by {count_phrase(self.discretized, 'value')} for each continuous draw"
         accepted = f"a run is accepted with probability {float(self.acceptance):.6g}"
-        return f"<{counted(len(self.outcomes), 'outcome')}, {exact}, of {counted(self.runs, 'run')}; {accepted}>"
+        return f"<{count_phrase(len(self.outcomes), 'outcome')}, {exact}, of {count_phrase(self.runs, 'run')}; {accepted}>"
 
     def law(self, read: Callable[[Scene], Hashable]) -> dict[Hashable, Fraction]:
         """The distribution of `read(scene)`."""
@@ -330,7 +330,7 @@ class Histories:
 
     def __repr__(self) -> str:
         accepted = f"a run is accepted with probability {float(self.acceptance):.6g}"
-        return f"<{counted(len(self.outcomes), 'simulation')}, exact, of {counted(self.runs, 'run')}; {accepted}>"
+        return f"<{count_phrase(len(self.outcomes), 'simulation')}, exact, of {count_phrase(self.runs, 'run')}; {accepted}>"
 
     def law(self, read: Callable[[Simulated], Hashable]) -> dict[Hashable, Fraction]:
         """The distribution of `read(simulation)`."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.scene import Scene
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from .chain_diagnostics import Diagnosis
 
 LEVEL = 0.999
@@ -63,7 +63,7 @@ class Inferred(NamedTuple):
 
     def __repr__(self) -> str:
         trusted = "" if self.agrees else ", not to be trusted"
-        return f"<{counted(len(self.scenes), 'scene')} by {self.backend} in {counted(self.attempts, 'run')}{trusted}>"
+        return f"<{count_phrase(len(self.scenes), 'scene')} by {self.backend} in {count_phrase(self.attempts, 'run')}{trusted}>"
 
     @property
     def agrees(self) -> bool:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..data.simulation import Simulated
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Beginnings, Chooser, Witness
-from ..pictures.notebook_views import counted
+from ..pictures.notebook_views import count_phrase
 from ..semantics.dynamics.coroutines import DYNAMIC
 from ..semantics.machine.config import Config, State
 from ..semantics.machine.outcome import Requirement
@@ -34,7 +34,7 @@ class SampledRun(NamedTuple):
     stuck: Counter[Failed]
 
     def __repr__(self) -> str:
-        return f"<{counted(self.attempts, 'attempt')}, the last one accepted: {self.simulation!r}>"
+        return f"<{count_phrase(self.attempts, 'attempt')}, the last one accepted: {self.simulation!r}>"
 
 
 class NextScene(NamedTuple):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..data.scene import in_json
 from ..interpreter.runtime.optional_packages import needed
-from .scene_figures import CLASSES, EDGE, INK, draw_scenes, new_figure, size_of, written
+from .scene_figures import CLASSES, EDGE, INK, draw_scenes, figure_bytes, multiples_layout, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import SubFigure
@@ -31,12 +31,12 @@ LINE = 0.6
 def inference_data(names: Sequence[str], draws: np.ndarray, report: Mapping[str, object]) -> dict[str, object]:
     """In the form of ArviZ's `from_json`; `draws` is (names, chains, draws), and the report becomes an attribute. What does not vary is left out."""
     return {
-        "posterior": {name: values.tolist() for name, values in varying(names, draws)},
+        "posterior": {name: values.tolist() for name, values in varying_quantities(names, draws)},
         "posterior_attrs": {"inference_library": "scenic-ref", "report": in_json(dict(report))},
     }
 
 
-def varying(names: Sequence[str], draws: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+def varying_quantities(names: Sequence[str], draws: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
     """The quantities that are not the same in all draws."""
     return ((name, values) for name, values in zip(names, draws, strict=True) if np.ptp(values) > 0)
 
@@ -52,7 +52,7 @@ def inference_data_in(path: str, names: Sequence[str], draws: np.ndarray, report
         made = Path(folder) / "draws.nc"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # there are more chains than draws
-            data = arviz.from_dict(dict(varying(names, draws)), posterior_attrs=found["posterior_attrs"])
+            data = arviz.from_dict(dict(varying_quantities(names, draws)), posterior_attrs=found["posterior_attrs"])
         data.to_netcdf(str(made))
         return made.read_bytes()
 
@@ -71,14 +71,14 @@ def picture_with_chains(scenes: Sequence[Scene], names: Sequence[str], draws: np
     `draws` is (names, chains, draws); `kind` is "chain" or "population". Raises `UsageError`.
     """
     shown = sorted((k for k in range(len(names)) if np.ptp(draws[k]) > 0), key=lambda k: -rhats[k])[:MOST_SHOWN]
-    rows, columns, side = size_of(len(scenes))
+    rows, columns, side = multiples_layout(len(scenes))
     tall, height = rows * (side + 0.3), 1.6 * len(shown) + 0.5
     figure = new_figure(max(columns * side, 8.0), tall + height)
     above, below = cast("list[SubFigure]", figure.subfigures(2, 1, height_ratios=[tall, height]))
     draw_scenes(above, scenes, None)
     for row, k in enumerate(shown):
         draw_quantity(below, row, len(shown), f"{names[k]}, R-hat {rhats[k]:.3f}", draws[k], kind)
-    return written(figure, format)
+    return figure_bytes(figure, format)
 
 
 def draw_quantity(figure: SubFigure, row: int, rows: int, title: str, draws: np.ndarray, kind: str) -> None:

@@ -19,9 +19,9 @@ from .scene_figures import (
     bounds_of_shape,
     check_format,
     draw_scale,
+    figure_bytes,
     new_figure,
-    shortened,
-    written,
+    shorten_name,
 )
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def map_picture(network: Network, *, format: str = "png") -> bytes:
     draw_signals(axes, network, across)
     draw_scale(axes, window, 9)
     draw_legend(axes, network)
-    return written(figure, format)
+    return figure_bytes(figure, format)
 
 
 def draw_signals(axes: Axes, network: Network, across: float) -> None:
@@ -111,8 +111,8 @@ def site_picture(site: SiteMap, *, format: str = "png") -> bytes:
             axes.annotate("", (place.x + x, place.y + y), (place.x - x, place.y - y), arrowprops={"arrowstyle": "->", "color": INK})
         if feature.name is not None:
             top, up = (feature.shape.bounds[3], -11) if feature.kind == "areas" else (place.y, 6)
-            label = axes.annotate(shortened(feature.name), (place.x, top), (0, up), textcoords="offset points", ha="center", fontsize=8, color=INK)
+            label = axes.annotate(shorten_name(feature.name), (place.x, top), (0, up), textcoords="offset points", ha="center", fontsize=8, color=INK)
             label.set_path_effects([withStroke(linewidth=2, foreground="white")])
     draw_scale(axes, window, 9)
-    return written(figure, format)
+    return figure_bytes(figure, format)
 

@@ -249,7 +249,7 @@ def site_of(state: State) -> SiteMap | None:
     return found if isinstance(found, SiteMap) else None
 
 
-def laid(site: SiteMap | None, window: Window) -> list[Laid]:
+def map_features_in(site: SiteMap | None, window: Window) -> list[Laid]:
     """What a window shows of a map, large areas first, then lines and points; nothing without a map. The workspace is drawn by itself."""
     if site is None:
         return []
@@ -277,7 +277,7 @@ def drawable_features(found: list[Laid]) -> Iterator[Laid]:
 
 def draw_site(axes: Axes, site: SiteMap | None, window: Window) -> None:
     """What a window shows of a map, above the workspace and below ego's view."""
-    for one in laid(site, window):
+    for one in map_features_in(site, window):
         if one.kind == "areas":
             fill(axes, [one.shape], one.faint, 0.5, one.dim)
         elif one.kind == "lines":

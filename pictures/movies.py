@@ -95,7 +95,7 @@ def movie(simulation: Simulated, title: str, on_frame: Callable[[], None] = lamb
 
     frames = frames_of(simulation)
     palette = palette_of([image(frames[k].step) for k in sorted({0, len(frames) // 2, len(frames) - 1})])
-    return written((image(frame.step) for frame in frames), palette, [frame.duration for frame in frames], on_frame)
+    return gif_bytes((image(frame.step) for frame in frames), palette, [frame.duration for frame in frames], on_frame)
 
 
 def courses_of(simulation: Simulated) -> list[Course]:
@@ -213,7 +213,7 @@ def palette_of(images: Sequence[Image]) -> Image:
     return wide.quantize(255, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
 
 
-def written(images: Iterator[Image], palette: Image, durations: Sequence[int], on_frame: Callable[[], None]) -> bytes:
+def gif_bytes(images: Iterator[Image], palette: Image, durations: Sequence[int], on_frame: Callable[[], None]) -> bytes:
     """The images as a GIF that is repeated for ever; each is made when its turn comes."""
     from PIL.Image import Dither
 

@@ -37,10 +37,10 @@ def line_of_scene(scene: Scene) -> str:
     few = [o.name or o.class_name for o in scene.objects[:5]]
     more = ", ..." if len(scene.objects) > len(few) else ""
     told = f": {', '.join(few)}{more}" if few else ""
-    return f"<scene {scene.index} of seed {scene.seed}, {counted(scene.attempts, 'attempt')}, {counted(len(scene.objects), 'object')}{told}>"
+    return f"<scene {scene.index} of seed {scene.seed}, {count_phrase(scene.attempts, 'attempt')}, {count_phrase(len(scene.objects), 'object')}{told}>"
 
 
-def counted(number: int, thing: str) -> str:
+def count_phrase(number: int, thing: str) -> str:
     """So many things."""
     return f"{number:,} {thing}{'' if number == 1 else 's'}"
 
@@ -48,7 +48,7 @@ def counted(number: int, thing: str) -> str:
 def page_of_scene(scene: Scene) -> str:
     """A scene in HTML: its picture, its objects and its parameters; texts of the program are escaped."""
     objects = [row_of(scene, o) for o in scene.objects[:MOST_ROWS]]
-    params = [(name, short(value)) for name, value in islice(scene.params.items(), MOST_ROWS)]
+    params = [(name, short_repr(value)) for name, value in islice(scene.params.items(), MOST_ROWS)]
     parts = [f"<div>{escape(line_of_scene(scene))}</div>", image_of(scene), table(COLUMNS, objects, len(scene.objects))]
     if params:
         parts.append(table(("parameter", "value"), params, len(scene.params)))
@@ -61,7 +61,7 @@ def row_of(scene: Scene, o: SceneObject) -> tuple[str, ...]:
     return (str(o.id), (o.name or "") + (" (ego)" if o.id == scene.ego_id and o.name != "ego" else ""), o.class_name, *(f"{n:.6g}" for n in numbers))
 
 
-def short(value: object) -> str:
+def short_repr(value: object) -> str:
     """The text of a value, or its beginning."""
     return short_text(stable_repr(value))  # type: ignore[arg-type]
 
@@ -92,7 +92,7 @@ def line_of_program(file: str, dialect: str, readings: Mapping[str, str], params
     """A scenario in one line: `readings` are those that differ from the paper's profile."""
     settings = [f"dialect {dialect}"] if dialect != "paper" else []
     settings += [f"{name}={alternative}" for name, alternative in readings.items()]
-    settings += [f"{name} = {short(value)}" for name, value in params.items()]
+    settings += [f"{name} = {short_repr(value)}" for name, value in params.items()]
     settings += ["something given"] if given else []
     return f"<scenario of {file}{': ' if settings else ''}{', '.join(settings)}>"
 
@@ -102,10 +102,10 @@ def page_of_program(line: str, text: str) -> str:
     return f"<div>{escape(line)}</div>\n<pre>{escape(text)}</pre>"
 
 
-def plotted(scene: Scene, ax: Axes | None) -> Axes:
+def plot_scene(scene: Scene, ax: Axes | None) -> Axes:
     """The scene drawn in axes, in those of a new figure of pyplot if None. Raises `UsageError` for a scene that cannot be drawn."""
     if ax is not None and not hasattr(ax, "add_patch"):
-        raise UsageError(f"ax is axes of matplotlib, or None for new ones, not {short(ax)}")
+        raise UsageError(f"ax is axes of matplotlib, or None for new ones, not {short_repr(ax)}")
     if ax is None:
         import matplotlib.pyplot as plt
 

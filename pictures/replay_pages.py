@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ..roads.network import MapWorkspace, Network
-from .map_layers import ARROW, Window, areas_of, arrows_of, laid, lines_in, polygons_in, ways_of
+from .map_layers import ARROW, Window, areas_of, arrows_of, lines_in, map_features_in, polygons_in, ways_of
 from .scene_figures import EDGE, EGO, FARTHEST, LAND, colours_by_class, land_in
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def land_below(scene: Scene, run: Json) -> dict[str, object] | None:
 def land_around(scene: Scene, window: Window) -> dict[str, object]:
     """The workspace of a scene, and the areas, lines and points of a map of one's own, in a window."""
     digits = digits_for(window)
-    features = laid(scene.site, window)
+    features = map_features_in(scene.site, window)
     found = areas(land_in(scene.workspace, window), LAND, EDGE, window)
     found += [area for one in features if one.kind == "areas" for area in areas([one.shape], one.faint, one.dim, window)]
     ways = [(one.dim, line) for one in features if one.kind == "lines" for line in lines_in(one.shape)]
@@ -59,7 +59,7 @@ def land_around(scene: Scene, window: Window) -> dict[str, object]:
     drawn = {"lines": ways, "points": points}
     below: dict[str, object] = {"areas": found}
     return below | {
-        kind: [{"colour": colour, "points": [rounded(point, digits) for point in places.tolist()]} for colour, places in some]
+        kind: [{"colour": colour, "points": [round_point(point, digits) for point in places.tolist()]} for colour, places in some]
         for kind, some in drawn.items() if some
     }
 
@@ -76,7 +76,7 @@ def map_in(network: Network, window: Window) -> dict[str, object]:
     box, digits = shapely.box(*window), digits_for(window)
     found = [area for shapes, colour, _, edge in areas_of(network, window) for area in areas(shapes, colour, edge, window)]
     arrows = [[round(place.x, digits), round(place.y, digits), round(h, 3)] for place, h in arrows_of(network, window, apart)]
-    ways = [[rounded(point, digits) for point in way] for way in ways_of(network) if box.intersects(shapely.LineString(way))]
+    ways = [[round_point(point, digits) for point in way] for way in ways_of(network) if box.intersects(shapely.LineString(way))]
     return {"areas": found, "arrows": arrows, "length": min(0.35 * apart, LONGEST_ARROW), "ways": ways, "ink": ARROW}
 
 
@@ -85,7 +85,7 @@ def areas(shapes: Iterable[BaseGeometry], colour: str, edge: str | None, window:
     box, digits = shapely.box(*window), digits_for(window)
     fine = shapely.simplify([shapely.intersection(shape, box) for shape in shapes], (window[2] - window[0]) / FINENESS)
     rings = (
-        [[rounded(point, digits) for point in np.asarray(ring.coords)[:, :2].tolist()] for ring in (polygon.exterior, *polygon.interiors)]
+        [[round_point(point, digits) for point in np.asarray(ring.coords)[:, :2].tolist()] for ring in (polygon.exterior, *polygon.interiors)]
         for shape in fine for polygon in polygons_in(shape)
     )  # fmt: skip
     return [{"colour": colour, "edge": edge or colour, "rings": found} for found in rings]
@@ -96,7 +96,7 @@ def digits_for(window: Window) -> int:
     return max(0, 4 - math.floor(math.log10(window[2] - window[0])))
 
 
-def rounded(point: Sequence[float], digits: int) -> list[float]:
+def round_point(point: Sequence[float], digits: int) -> list[float]:
     """A point with so many digits."""
     return [round(float(c), digits) for c in point[:2]]
 

@@ -19,7 +19,7 @@ from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
 from ..semantics.store.errors import UsageError
-from .map_layers import Window, draw_map, draw_site, laid, marks, polygons_in
+from .map_layers import Window, draw_map, draw_site, map_features_in, marks, polygons_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +49,7 @@ CIRCLE_SIDES = 256
 def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
     """The scenes side by side; `roads` is drawn below them in place of their workspaces. Raises `UsageError`."""
     check_format(format)
-    return written(figure_of(list(scenes), roads), format)
+    return figure_bytes(figure_of(list(scenes), roads), format)
 
 
 def check_format(format: str) -> None:
@@ -58,7 +58,7 @@ def check_format(format: str) -> None:
         raise UsageError(f"pictures have the formats {', '.join(FORMATS)}, not {format!r}")
 
 
-def written(figure: Figure, format: str) -> bytes:
+def figure_bytes(figure: Figure, format: str) -> bytes:
     """The figure in a format, the same bytes every time."""
     from matplotlib import rc_context
 
@@ -92,7 +92,7 @@ def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, fo
     axes.set_title(title, fontsize=10, color=INK)
     for side in ("top", "right", "bottom"):
         axes.spines[side].set_visible(False)
-    return written(figure, format)
+    return figure_bytes(figure, format)
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -105,7 +105,7 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def size_of(count: int) -> tuple[int, int, float]:
+def multiples_layout(count: int) -> tuple[int, int, float]:
     """The rows and columns of small multiples, and the inches of each."""
     columns = max(1, math.ceil(math.sqrt(count)))
     return max(1, math.ceil(count / columns)), columns, ALONE if count <= 1 else SIDE
@@ -113,7 +113,7 @@ def size_of(count: int) -> tuple[int, int, float]:
 
 def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
     """The scenes as small multiples, one panel each."""
-    rows, columns, side = size_of(len(scenes))
+    rows, columns, side = multiples_layout(len(scenes))
     figure = new_figure(columns * side, rows * (side + 0.3))
     draw_scenes(figure, scenes, roads)
     return figure
@@ -123,13 +123,13 @@ def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Regi
     """The same, in a figure that is there, with what the colours mean below."""
     from matplotlib.patches import Patch
 
-    rows, columns, _ = size_of(len(scenes))
+    rows, columns, _ = multiples_layout(len(scenes))
     colours = colours_of(scenes)
     views = views_of(scenes)
     for number, (scene, view) in enumerate(zip(scenes, views, strict=True), 1):
         draw(figure.add_subplot(rows, columns, number), scene, roads, colours, view, small=len(scenes) > 1)
     egos = {"ego": EGO} if any(scene.ego_id is not None for scene in scenes) else {}
-    patches = [Patch(facecolor=colour, alpha=0.7, label=shortened(name)) for name, colour in (egos | colours).items()]
+    patches = [Patch(facecolor=colour, alpha=0.7, label=shorten_name(name)) for name, colour in (egos | colours).items()]
     if any(views):
         patches.append(Patch(facecolor=(EGO, 0.10), edgecolor=(EGO, 0.45), label="what ego can see"))
     if len(patches) > len(egos):
@@ -153,7 +153,7 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
     size = 7 if small else 9
-    axes.set_title(f"seed {shortened(str(scene.seed))}, scene {shortened(str(scene.index))}", fontsize=size + 1, color=INK)
+    axes.set_title(f"seed {shorten_name(str(scene.seed))}, scene {shorten_name(str(scene.index))}", fontsize=size + 1, color=INK)
     axes.tick_params(labelsize=size - 1, colors="#777777", length=2)
     axes.locator_params(nbins=4)
     axes.ticklabel_format(useOffset=False, style="plain")
@@ -236,7 +236,7 @@ def is_all(view: Outline, window: Window) -> bool:
 def view_of(ego: SceneObject) -> list[tuple[float, float]]:
     """The outline of what an object sees; nothing if that is not known."""
     reach = ego.properties.get("visibleDistance", ego.properties.get("viewDistance"))  # reading `view-distance`
-    distance, angle = number(reach), number(ego.properties.get("viewAngle"))
+    distance, angle = nonnegative_number(reach), nonnegative_number(ego.properties.get("viewAngle"))
     if not distance or not angle:
         return []
     x, y = ego.position
@@ -245,7 +245,7 @@ def view_of(ego: SceneObject) -> list[tuple[float, float]]:
     return arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
 
 
-def number(value: object) -> float | None:
+def nonnegative_number(value: object) -> float | None:
     """A property as a finite number of at least 0, None if it is something else."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return None
@@ -280,7 +280,7 @@ def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> list[Wind
     boxes = [bounds_of(o) for o in scene.objects]
     taken: list[Window] = []
     for o in named:
-        text = shortened(o.name or o.class_name)
+        text = shorten_name(o.name or o.class_name)
         spot = room_for(len(text) * LETTER * size * point, LINE * size * point, bounds_of(o), [*boxes, *taken], window)
         taken.append(spot)
         if may_be_mistaken(spot, bounds_of(o), [bounds_of(other) for other in scene.objects if other is not o]):
@@ -294,10 +294,10 @@ def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> list[Wind
 def may_be_mistaken(spot: Window, box: Window, others: Sequence[Window]) -> bool:
     """Whether a name could be that of another object: one that is as near, or nearly."""
     height = spot[3] - spot[1]
-    return any(apart(spot, other) < apart(spot, box) + height / 2 for other in others)
+    return any(window_distance(spot, other) < window_distance(spot, box) + height / 2 for other in others)
 
 
-def apart(one: Window, other: Window) -> float:
+def window_distance(one: Window, other: Window) -> float:
     """The distance of two rectangles."""
     return math.hypot(max(0.0, one[0] - other[2], other[0] - one[2]), max(0.0, one[1] - other[3], other[1] - one[3]))
 
@@ -323,11 +323,11 @@ def draw_marks(axes: Axes, scene: Scene, size: int, window: Window, taken: Seque
     west, south, east, north = window
     scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
     found = marks(
-        laid(scene.site, window), window, [*taken, scale], lambda text: len(shortened(text)) * LETTER * small * point, LINE * small * point
+        map_features_in(scene.site, window), window, [*taken, scale], lambda text: len(shorten_name(text)) * LETTER * small * point, LINE * small * point
     )
     for mark in found:
         if mark.text:
-            label = axes.text(mark.x, mark.y, shortened(mark.text), ha="center", va="center", fontsize=small, style="italic", color=QUIET, zorder=0.9)
+            label = axes.text(mark.x, mark.y, shorten_name(mark.text), ha="center", va="center", fontsize=small, style="italic", color=QUIET, zorder=0.9)
             label.set_path_effects([withStroke(linewidth=1.5, foreground="white", alpha=0.85)])
             continue
         x, y = mark.ahead
@@ -362,7 +362,7 @@ def common_area(one: Window, other: Window) -> float:
     return max(0.0, min(one[2], other[2]) - max(one[0], other[0])) * max(0.0, min(one[3], other[3]) - max(one[1], other[1]))
 
 
-def shortened(name: str, longest: int = 24) -> str:
+def shorten_name(name: str, longest: int = 24) -> str:
     """A name that fits into a picture."""
     return name if len(name) <= longest else f"{name[: longest - 1]}\N{HORIZONTAL ELLIPSIS}"
 

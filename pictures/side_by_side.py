@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
-from .scene_figures import CLASSES, EGO, FARTHEST, INK, SIDE, new_figure, written
+from .scene_figures import CLASSES, EGO, FARTHEST, INK, SIDE, figure_bytes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,10 +24,10 @@ AROUND = 0.08
 
 def boxes_of(scenes: Sequence[Mapping[str, object]]) -> list[list[Box]]:
     """The boxes in scenes of the scene format, rounded to millimetres; objects whose place is no finite number are left out."""
-    return [[box for thing in in_order(scene) if (box := box_of(thing)) is not None] for scene in scenes]
+    return [[box for thing in objects_ego_first(scene) if (box := box_of(thing)) is not None] for scene in scenes]
 
 
-def in_order(scene: Mapping[str, object]) -> list[Mapping[str, object]]:
+def objects_ego_first(scene: Mapping[str, object]) -> list[Mapping[str, object]]:
     """The objects of a scene, ego first."""
     objects: list[Mapping[str, object]] = list(scene["objects"])  # type: ignore[call-overload]
     return sorted(objects, key=lambda thing: thing.get("id") != scene.get("ego"))
@@ -64,7 +64,7 @@ def side_by_side(sides: Mapping[str, Boxes], *, format: str = "png") -> bytes:
         for scene in scenes:
             for place, box in enumerate(scene):
                 draw_box(axes, box, EGO if place == 0 else CLASSES[(place - 1) % len(CLASSES)], half, len(scenes))
-    return written(figure, format)
+    return figure_bytes(figure, format)
 
 
 def draw_box(axes: Axes, box: Box, colour: str, half: float, count: int) -> None:

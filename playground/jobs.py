@@ -14,11 +14,11 @@ from pathlib import Path
 
 from ..api import Scenario
 from ..api.diagnostics import of_error, of_warning, warnings_about
-from ..api.scene_expressions import NAME, expression_of, law_of, observed
+from ..api.scene_expressions import NAME, expression_of, law_of, value_in_final_state
 from ..cli.replay_page import network_of
 from ..cli.scene_sampler import Drawing, Softness, drawing_of, listen
 from ..cli.simulation_run import when
-from ..cli.trace_output import WhichRun, page_of, traced, traced_simulation
+from ..cli.trace_output import WhichRun, page_of, trace_attempt, traced_simulation
 from ..data.scene import Scene, in_json, json_value
 from ..data.simulation import to_line
 from ..inference.batch import Block
@@ -39,7 +39,7 @@ from ..simulators import SIMULATORS, by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
 from ..simulators.worlds.driving import notes
-from .json_views import Json, cut, cut_text, diagnostic_shown, exhausted_of, requirements_shown, scene_shown, tally_shown
+from .json_views import Json, cut_text, cut_value, diagnostic_shown, exhausted_of, requirements_shown, scene_shown, tally_shown
 from .request import PlayRequest
 
 FIRST, GROWTH = 100, 5
@@ -274,7 +274,7 @@ def of_expression(scenario: Scenario, asked: PlayRequest) -> Iterator[object]:
     for index, attempts in accepted_attempts(scenario, asked):
         ended = scenario.last_run(asked.seed, index, attempts)
         assert isinstance(ended, Accepted)
-        yield shown_value(json_value(unwrap(observed(expression, ended.state))[0]))
+        yield shown_value(json_value(unwrap(value_in_final_state(expression, ended.state))[0]))
 
 
 def accepted_attempts(scenario: Scenario, asked: PlayRequest) -> Iterator[tuple[int, int]]:
@@ -343,7 +343,7 @@ MOST_PICTURED = 36
 def send_trace(asked: PlayRequest, send: Send) -> None:
     """Send every rule that fired in a run for a scene, or for a simulation. Raises `AttemptsExhausted`, `UsageError`."""
     which = WhichRun(asked.seed, asked.start, asked.attempt, DEFAULT_ATTEMPTS)
-    found = traced_simulation(asked.source, which, simulator_of(asked), asked.steps) if asked.steps else traced(asked.source, which)
+    found = traced_simulation(asked.source, which, simulator_of(asked), asked.steps) if asked.steps else trace_attempt(asked.source, which)
     texts = {asked.source.file: asked.source.text}
     events = len(found.trace.events)
     del found.trace.events[MOST_EVENTS:]
@@ -388,7 +388,7 @@ def simulate(asked: PlayRequest, send: Send) -> None:
             land = land_below(simulation.scene, written)
             network = network_of(scenario) if land is None else None
             ground = land or {"areas": []} if network is None else map_below(network, [written])
-            records = {cut_text(name, 60): cut(values) for name, values in written.get("records", {}).items()}
+            records = {cut_text(name, 60): cut_value(values) for name, values in written.get("records", {}).items()}
             send({"kind": "run", "attempts": run.attempts, "ground": ground, "records": records, "run": cut_run(run_shown(written))})
     finally:
         rejected = when(stuck)
@@ -402,14 +402,14 @@ def cut_run(run: dict[str, object]) -> dict[str, object]:
     kept = [
         {
             "objects": [
-                {name: cut(value) for name, value in pose.items() if name in ("id", "position", "heading", "speed", "width", "length")}
+                {name: cut_value(value) for name, value in pose.items() if name in ("id", "position", "heading", "speed", "width", "length")}
                 for pose in step["objects"]
             ],
-            "actions": cut(step["actions"]), "events": cut(step["events"]), "doing": cut(step["doing"]), "step": step["step"],
+            "actions": cut_value(step["actions"]), "events": cut_value(step["events"]), "doing": cut_value(step["doing"]), "step": step["step"],
         }
         for step in steps
     ]  # fmt: skip
-    return {**{name: cut(value) for name, value in run.items() if name not in ("steps", "objects")}, "objects": run["objects"], "steps": kept}
+    return {**{name: cut_value(value) for name, value in run.items() if name not in ("steps", "objects")}, "objects": run["objects"], "steps": kept}
 
 
 def send_picture(asked: PlayRequest, send: Send) -> None:

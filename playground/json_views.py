@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from ..api.diagnostics import Diagnostic, record
-from ..cli.run_report import rejecting
+from ..api.diagnostics import Diagnostic, diagnostic_json
+from ..cli.run_report import rejecting_requirements
 from ..cli.scene_sampler import Softness
-from ..cli.session import escaped
+from ..cli.session import escape_controls
 from ..data.scene import OWN_FIELDS, Scene, SceneObject
 from ..inference.enumeration import content_of_scene
 from ..inference.rejection import acceptance
-from ..pictures.map_layers import Window, laid, marks
+from ..pictures.map_layers import Window, map_features_in, marks
 from ..pictures.replay_pages import land_around, map_in
 from ..pictures.scene_figures import (
     CROWD,
@@ -21,7 +21,7 @@ from ..pictures.scene_figures import (
     LINE,
     bounds_of,
     is_all,
-    shortened,
+    shorten_name,
     view_of,
     window_of,
 )
@@ -35,16 +35,16 @@ LONGEST_TEXT, LONGEST_LIST, DEEPEST = 400, 100, 6
 Json = dict[str, object]
 
 
-def cut(value: object, depth: int = 0) -> object:
+def cut_value(value: object, depth: int = 0) -> object:
     """A value in JSON, shortened where it is long or deep; control characters, and those that turn the direction of writing, are escaped."""
     match value:
         case str():
             return cut_text(value)
         case list() if depth < DEEPEST:
             rest = [f"… {len(value) - LONGEST_LIST:,} more"] if len(value) > LONGEST_LIST else []
-            return [cut(v, depth + 1) for v in value[:LONGEST_LIST]] + rest
+            return [cut_value(v, depth + 1) for v in value[:LONGEST_LIST]] + rest
         case dict() if depth < DEEPEST:
-            return {cut_text(str(k)): cut(v, depth + 1) for k, v in list(value.items())[:LONGEST_LIST]}
+            return {cut_text(str(k)): cut_value(v, depth + 1) for k, v in list(value.items())[:LONGEST_LIST]}
         case list() | dict():
             return "…"
         case int() if not isinstance(value, bool) and value.bit_length() > 53:
@@ -55,7 +55,7 @@ def cut(value: object, depth: int = 0) -> object:
 
 def cut_text(text: str, longest: int = LONGEST_TEXT) -> str:
     """A text that is not too long."""
-    return escaped(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
+    return escape_controls(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
 
 
 IN_PAGE = (
@@ -89,7 +89,7 @@ def scene_shown(scene: Scene) -> Json:
     written = scene.to_json()
     found: Json = {
         "scene": scene.index, "seed": scene.seed, "attempts": scene.attempts, "ego": scene.ego_id, "count": len(scene.objects),
-        "params": cut(written["params"]), "digest": hashlib.sha256(content_of_scene(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
+        "params": cut_value(written["params"]), "digest": hashlib.sha256(content_of_scene(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
     }  # fmt: skip
     if len(scene.objects) > MOST_OBJECTS:
         return found | {"objects": [], "problem": f"{len(scene.objects):,} objects are too many to be drawn here"}
@@ -109,7 +109,7 @@ def object_shown(written: Mapping[str, object]) -> Json:
     name = written["name"]
     return {
         "id": written["id"], "name": None if name is None else cut_text(str(name)), "class": cut_text(str(written["class"])), **own,
-        "properties": cut(written["properties"]),
+        "properties": cut_value(written["properties"]),
     }  # fmt: skip
 
 
@@ -127,19 +127,19 @@ def marks_shown(scene: Scene, window: Window) -> list[Json]:
     named = [o for o in scene.objects if o.name or len(scene.objects) <= CROWD]
     scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
     taken = [scale, *map(bounds_of, scene.objects), *(named_room(o, unit) for o in named)]
-    found = marks(laid(scene.site, window), window, taken, lambda text: len(shortened(text)) * LETTER * SMALL * unit, LINE * SMALL * unit)
-    return [{"text": shortened(mark.text), "at": [mark.x, mark.y], "ahead": mark.ahead} for mark in found]
+    found = marks(map_features_in(scene.site, window), window, taken, lambda text: len(shorten_name(text)) * LETTER * SMALL * unit, LINE * SMALL * unit)
+    return [{"text": shorten_name(mark.text), "at": [mark.x, mark.y], "ahead": mark.ahead} for mark in found]
 
 
 def named_room(o: SceneObject, unit: float) -> Window:
     """Where the page may put the name of an object, above or below it."""
     west, south, east, north = bounds_of(o)
-    half = max(east - west, len(shortened(o.name or o.class_name)) * LETTER * SMALL * unit) / 2
+    half = max(east - west, len(shorten_name(o.name or o.class_name)) * LETTER * SMALL * unit) / 2
     middle = (west + east) / 2
     return middle - half, south - NAMED * unit, middle + half, north + NAMED * unit
 
 
-def place_of(span: Span) -> Json:
+def span_json(span: Span) -> Json:
     """A place in a source; `line` is 0 for none."""
     return {"file": cut_text(span.file), "line": span.line, "column": span.column, "endLine": span.end_line, "endColumn": span.end_column}
 
@@ -147,13 +147,13 @@ def place_of(span: Span) -> Json:
 def diagnostic_shown(one: Diagnostic) -> Json:
     """A diagnostic as `check --format json` has it, with texts that are not too long, and advice that can be followed on the page."""
     said = one._replace(hint=on_page(one.hint))
-    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(said).items()}
+    return {name: cut_value(value) if name != "message" else cut_text(str(value), 2000) for name, value in diagnostic_json(said).items()}
 
 
 def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:
     """The requirements that rejected, as reports group them."""
-    found = rejecting(stuck)[:MOST_REQUIREMENTS]
-    return [{"count": one.often, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in found]
+    found = rejecting_requirements(stuck)[:MOST_REQUIREMENTS]
+    return [{"count": one.often, "text": cut_text(one.text), "among": one.among, **span_json(one.span)} for one in found]
 
 
 def tally_shown(
@@ -167,7 +167,7 @@ def tally_shown(
     return {
         "kind": "tally", "coins": coins, "scenes": scenes, "attempts": attempts, "level": found.level,
         "acceptance": [found.estimate, found.low, found.high] if scenes and not coins else None, "stuck": requirements_shown(stuck),
-        "soft": [{"held": s.held, "known": s.known, "probability": float(s.probability), **place_of(s.span)} for s in soft],
+        "soft": [{"held": s.held, "known": s.known, "probability": float(s.probability), **span_json(s.span)} for s in soft],
     }  # fmt: skip
 
 

@@ -46,12 +46,12 @@ def source_of(session: Session, file: str | None, *, reading: list[str] | None, 
 def begin(source: Source, linked: Linked | None, seed: int, port: int, *, otherwise: bool, browser: bool) -> None:
     """Serve the page until Ctrl-C. Raises `UsageError` without the extra `play`, and for a port that cannot be used."""
     try:
-        from .server import HOST, Playground, bound, serve
+        from .server import HOST, Playground, bind_socket, serve_playground
     except ImportError as problem:
         missing = "uvicorn" if is_installed("starlette") else "starlette"
         raise needed("play", missing, problem) from None
-    page = page_with(given(source, linked, seed))
-    door = bound(port, otherwise=otherwise)
+    page = page_with(page_data(source, linked, seed))
+    door = bind_socket(port, otherwise=otherwise)
     token = secrets.token_urlsafe(32)
     number = door.getsockname()[1]
     address = f"http://{HOST}:{number}/{token}/"
@@ -62,11 +62,11 @@ def begin(source: Source, linked: Linked | None, seed: int, port: int, *, otherw
     else:
         print("--trust: programs may do whatever you may; Ctrl-C ends the server", file=sys.stderr, flush=True)
     if browser:
-        show(address)
-    serve(playground, door)
+        open_in_browser(address)
+    serve_playground(playground, door)
 
 
-def show(address: str) -> None:
+def open_in_browser(address: str) -> None:
     """Open the page in the browser, if there is one."""
     import webbrowser
 
@@ -74,7 +74,7 @@ def show(address: str) -> None:
         webbrowser.open(address)
 
 
-def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]:
+def page_data(source: Source, linked: Linked | None, seed: int) -> dict[str, object]:
     """What the page begins with."""
     readings = [
         {

@@ -68,10 +68,10 @@ def request_of(body: bytes, source: Source) -> PlayRequest:
     if timestep is not None and not (isinstance(timestep, (int, float)) and not isinstance(timestep, bool) and 0.001 <= timestep <= 1000):
         raise UsageError("`timestep` is a number of seconds from 0.001 to 1000")
     return PlayRequest(
-        text(asked, "page"), text(asked, "slot"), work, chosen, whole(asked, "seed", -MOST_SEED, MOST_SEED), whole(asked, "start", 0, MOST_SEED),
-        whole(asked, "count", 1, MOST_VALUES if work == "histogram" else MOST_SCENES, 1),
-        None if attempt is None else whole(asked, "attempt", 1, MOST_SEED), text(asked, "feature", 1000), text(asked, "expression", 10_000),
-        text(asked, "simulator"), whole(asked, "steps", 0, MOST_STEPS), timestep, text(asked, "form"), source.limits.seconds,
+        text_parameter(asked, "page"), text_parameter(asked, "slot"), work, chosen, integer_parameter(asked, "seed", -MOST_SEED, MOST_SEED), integer_parameter(asked, "start", 0, MOST_SEED),
+        integer_parameter(asked, "count", 1, MOST_VALUES if work == "histogram" else MOST_SCENES, 1),
+        None if attempt is None else integer_parameter(asked, "attempt", 1, MOST_SEED), text_parameter(asked, "feature", 1000), text_parameter(asked, "expression", 10_000),
+        text_parameter(asked, "simulator"), integer_parameter(asked, "steps", 0, MOST_STEPS), timestep, text_parameter(asked, "form"), source.limits.seconds,
     )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def source_readings(source: Source) -> dict[str, str]:
     return dict(source.readings)
 
 
-def text(asked: Mapping[str, object], name: str, longest: int = LONGEST_NAME) -> str:
+def text_parameter(asked: Mapping[str, object], name: str, longest: int = LONGEST_NAME) -> str:
     """A text of the request, "" by default. Raises `UsageError`."""
     found = asked.get(name, "")
     if not isinstance(found, str) or len(found) > longest:
@@ -88,7 +88,7 @@ def text(asked: Mapping[str, object], name: str, longest: int = LONGEST_NAME) ->
     return found
 
 
-def whole(asked: Mapping[str, object], name: str, least: int, most: int, otherwise: int = 0) -> int:
+def integer_parameter(asked: Mapping[str, object], name: str, least: int, most: int, otherwise: int = 0) -> int:
     """A whole number of the request. Raises `UsageError`."""
     found = asked.get(name, otherwise)
     if type(found) is not int or not least <= found <= most:

@@ -26,7 +26,7 @@ from ..data.scene import in_json
 from ..semantics.store.errors import UsageError
 from .json_views import Json
 from .request import MOST_BYTES, PlayRequest, request_of
-from .worker_pool import WorkProcess, prepared
+from .worker_pool import WorkProcess, process_context
 
 HOST = "127.0.0.1"
 AT_ONCE = 4
@@ -48,7 +48,7 @@ class Playground:
         self.closed, self.closed_policy = door, policy_of(door)
         self.token = token
         self.hosts = {f"{HOST}:{port}", f"localhost:{port}"} | ({HOST, "localhost"} if port == 80 else set())
-        self.context = prepared()
+        self.context = process_context()
         self.running: dict[tuple[str, str], WorkProcess] = {}
         self.turns = asyncio.Semaphore(AT_ONCE)
         self.ended = False
@@ -150,7 +150,7 @@ class Playground:
         elif job.late:
             yield line({"kind": "over", "message": f"The time for one answer, {limit:g} s, is over; --limit-seconds allows more."})
         elif data != END:
-            yield line({"kind": "over", "message": crashed(await asyncio.to_thread(job.wait))})
+            yield line({"kind": "over", "message": crash_message(await asyncio.to_thread(job.wait))})
 
     def end(self) -> None:
         """End all processes, and start no more."""
@@ -159,7 +159,7 @@ class Playground:
             job.stop()
 
 
-def crashed(code: int | None) -> str:
+def crash_message(code: int | None) -> str:
     """What is said of a process that has ended without an answer."""
     how = f"was ended by signal {-code}" if code is not None and code < 0 else f"ended with exit code {code}"
     return f"The process that ran the program {how}. The server goes on; a program without --trust must not be able to do this: please report it."
@@ -196,7 +196,7 @@ def hashes(page: str, begin: str, end: str) -> str:
     return " ".join(found) or "'none'"
 
 
-def bound(port: int, *, otherwise: bool) -> socket.socket:
+def bind_socket(port: int, *, otherwise: bool) -> socket.socket:
     """A socket on the loopback address; on another port if this one is taken and `otherwise`. Raises `UsageError`."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     found.setsockopt(socket.SOL_SOCKET, getattr(socket, "SO_EXCLUSIVEADDRUSE", socket.SO_REUSEADDR), 1)
@@ -206,7 +206,7 @@ def bound(port: int, *, otherwise: bool) -> socket.socket:
     except OSError as problem:
         found.close()
         if otherwise:
-            return bound(0, otherwise=False)
+            return bind_socket(0, otherwise=False)
         raise UsageError(f"port {port} cannot be used: {problem.strerror or problem}", hint="leave --port out, and a free one is taken") from None
     return found
 
@@ -240,7 +240,7 @@ class PlayServer(uvicorn.Server):
         super().handle_exit(sig, frame)
 
 
-def serve(playground: Playground, door: socket.socket) -> None:
+def serve_playground(playground: Playground, door: socket.socket) -> None:
     """Answer until Ctrl-C, or until the process is told to end; then no process is left."""
     config = uvicorn.Config(
         playground.app(), log_level="error", access_log=False, server_header=False, date_header=False, lifespan="off", ws="none", loop="asyncio",

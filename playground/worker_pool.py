@@ -16,7 +16,7 @@ GRACE = 5.0
 """Seconds that a process which was killed may take to be gone."""
 
 
-def prepared() -> BaseContext:
+def process_context() -> BaseContext:
     """How processes are started: where the system can, from one that has loaded all that they need, which begins to do so now."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")

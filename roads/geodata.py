@@ -82,7 +82,7 @@ def site_from(data: bytes, is_wkt: bool, crs: str | None) -> SiteMap:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise MapError(f"it is no text in UTF-8 (byte {problem.start})") from None
-    return usable(in_metres(*(of_wkt(text) if is_wkt else of_geojson(loaded(text))), crs))
+    return usable(in_metres(*(of_wkt(text) if is_wkt else of_geojson(parse_json(text))), crs))
 
 
 def usable(site: SiteMap) -> SiteMap:
@@ -91,10 +91,10 @@ def usable(site: SiteMap) -> SiteMap:
     return site
 
 
-def loaded(text: str) -> object:
+def parse_json(text: str) -> object:
     """What a JSON text says. Raises `MapError`."""
     try:
-        return json.loads(text, parse_int=whole)
+        return json.loads(text, parse_int=parse_integer)
     except json.JSONDecodeError as problem:
         raise MapError(f"line {problem.lineno}: it is no JSON: {problem.msg}") from None
     except RecursionError:
@@ -105,7 +105,7 @@ MOST_DIGITS = 1000
 """Those of a whole number."""
 
 
-def whole(digits: str) -> int:
+def parse_integer(digits: str) -> int:
     """A whole number in JSON. Raises `MapError`."""
     if len(digits) > MOST_DIGITS:
         raise MapError(f"a number has more than {MOST_DIGITS} digits")
@@ -149,7 +149,7 @@ def feature_of(member: object, place: str) -> MapFeature:
     given = next((properties[name] for name in NAMES if properties.get(name) is not None), member.get("id"))
     name = None if given is None else str(given)
     where = place if name is None else f"{place} ({name!r:.60})"
-    return MapFeature(name, made(lambda: geometry_of(member["geometry"]), where), dict(properties), where)
+    return MapFeature(name, make_geometry(lambda: geometry_of(member["geometry"]), where), dict(properties), where)
 
 
 def geometry_of(found: object, depth: int = 0) -> BaseGeometry:
@@ -166,7 +166,7 @@ def geometry_of(found: object, depth: int = 0) -> BaseGeometry:
     return shapely.GeometryCollection([geometry_of(part, depth + 1) for part in parts]) if member == "geometries" else shape_of(dict(found))
 
 
-def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
+def make_geometry(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
     """The shape that a call makes. Raises `MapError` for whatever the library says that is wrong, and for too many points, or none that is finite."""
     try:
         found = make()
@@ -204,7 +204,7 @@ def of_wkt(text: str) -> Read:
         where = place if name is None else f"{place} ({name!r:.60})"
         if depth_of(rest) > DEEPEST:
             raise MapError(f"{where} has more than {DEEPEST} brackets in each other")
-        features.append(MapFeature(name, made(lambda text=rest: shapely.from_wkt(text.strip()), where), {}, where))
+        features.append(MapFeature(name, make_geometry(lambda text=rest: shapely.from_wkt(text.strip()), where), {}, where))
     if len(set(codes)) > 1:
         raise MapError("all lines must have the same SRID, or none")
     return features, f"EPSG:{codes[0]}" if codes and codes[0] is not None else METRES
@@ -222,9 +222,9 @@ def of_shapefile(data: bytes, path: Path) -> Read:
     except ImportError as problem:
         raise needed("a shapefile", "shapefile", problem, "; or convert the map to GeoJSON") from None
     try:
-        projection = beside(path, ".prj")
+        projection = open_sidecar(path, ".prj")
         crs = METRES if projection is None else projection.read().decode("utf-8", "replace")
-        parts = {"shp": BytesIO(data), "shx": beside(path, ".shx"), "dbf": beside(path, ".dbf")}
+        parts = {"shp": BytesIO(data), "shx": open_sidecar(path, ".shx"), "dbf": open_sidecar(path, ".dbf")}
         with warnings.catch_warnings(action="error"), shapefile.Reader(**parts) as reader:
             features = [feature_of(entry, f"shape {number}") for number, entry in enumerate(entries(reader))]
     except ScenicError:
@@ -236,7 +236,7 @@ def of_shapefile(data: bytes, path: Path) -> Read:
     return features, crs
 
 
-def beside(path: Path, suffix: str) -> BytesIO | None:
+def open_sidecar(path: Path, suffix: str) -> BytesIO | None:
     """Return the file beside a shapefile with that suffix, such as its .prj, as a stream; None if there is none. Raises `OSError`."""
     try:
         return BytesIO(read_regular_file(path.with_suffix(suffix), LARGEST))
@@ -248,7 +248,7 @@ def entries(reader: Any) -> Iterator[Mapping[str, object]]:
     """The shapes of a shapefile as features of GeoJSON, their attributes as JSON has them."""
     for one in reader.iterShapeRecords():
         found = one.__geo_interface__
-        yield {**found, "properties": plain(found["properties"])}
+        yield {**found, "properties": numpy_to_json(found["properties"])}
 
 
 def in_metres(features: list[MapFeature], told: str | None, crs: str | None) -> SiteMap:
@@ -385,17 +385,17 @@ def features_in(source: object) -> list[MapFeature]:
     found = source if isinstance(source, Mapping) else getattr(source, "__geo_interface__", None)
     if found is None:
         raise UsageError(f"a map has a __geo_interface__, or is GeoJSON, WKT, or a list of these, not {source!r:.60}")
-    return of_geojson(plain(found))[0]
+    return of_geojson(numpy_to_json(found))[0]
 
 
-def plain(value: object) -> object:
+def numpy_to_json(value: object) -> object:
     """A value as JSON has it: what NumPy and others have for numbers as Python's own; missing numbers as None."""
     if isinstance(value, Mapping):
-        return {str(key): plain(inner) for key, inner in value.items()}
+        return {str(key): numpy_to_json(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(inner) for inner in value]
+        return [numpy_to_json(inner) for inner in value]
     if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:
-        return plain(value.item())  # type: ignore[attr-defined]
+        return numpy_to_json(value.item())  # type: ignore[attr-defined]
     if isinstance(value, float) and math.isnan(value):
         return None
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

@@ -58,7 +58,7 @@ def section_shapes(road: RoadRecord, notes: Notes) -> Iterator[SectionShape]:
     for at, gap in reference_lines.breaks(road.pieces, JOINT):
         notes.add(f"gaps in reference lines of more than {JOINT * 100:g} cm", f"road {road.id} at {at:g} m ({gap:.2f} m)")
     widest = max((sum(lane_width(lane, one) for lane in one.lanes.values()) for one in road.sections), default=0.0)
-    grid = reference_lines.sampled(road.pieces, min(widest, WIDEST))
+    grid = reference_lines.sample_distances(road.pieces, min(widest, WIDEST))
     for one in road.sections:
         yield section_shape(road, one, grid, notes)
 
@@ -113,18 +113,18 @@ def distances(road: RoadRecord, section: SectionRecord, grid: Numbers) -> Number
     return np.concatenate([[start], kept, [end]])
 
 
-def joined(line: Points) -> Points:
+def drop_repeated_points(line: Points) -> Points:
     """A line without points that stand twice."""
     apart = np.hypot(*np.diff(line, axis=0).T) > 1e-4
     return line[np.concatenate([[True], apart])] if apart.any() else line[[0, -1]]
 
 
-def simplified(line: Points) -> Points:
+def simplify_line(line: Points) -> Points:
     """A line without the points that are no bends."""
     return shapely.get_coordinates(LineString(line).simplify(1e-4)) if len(line) > 2 else line
 
 
-def between(left: Points, right: Points) -> Polygon | MultiPolygon:
+def area_between(left: Points, right: Points) -> Polygon | MultiPolygon:
     """The area between two edges with the same direction; where they cross, all that they enclose."""
     polygon = Polygon(np.concatenate([left, right[::-1]])) if len(left) + len(right) > 3 else Polygon()
     if polygon.is_valid:
@@ -149,16 +149,16 @@ def areas(shape: shapely.Geometry) -> Polygon | MultiPolygon:
     return MultiPolygon([part for part in shapely.get_parts(shape) if isinstance(part, Polygon)])
 
 
-def united(polygons: Sequence[Polygon | MultiPolygon], gap: float = 0.005) -> Polygon | MultiPolygon:
+def union_closing_gaps(polygons: Sequence[Polygon | MultiPolygon], gap: float = 0.005) -> Polygon | MultiPolygon:
     """The union of areas, with gaps of up to twice `gap` metres between them closed."""
     whole = shapely.union_all(polygons)
     closed = whole.buffer(gap, join_style="mitre").buffer(-gap, join_style="mitre")
     return areas(closed if closed.is_valid and not closed.is_empty else whole)
 
 
-def directed(points: Points, ahead: Points) -> PolylineRegion:
+def directed_line(points: Points, ahead: Points) -> PolylineRegion:
     """A directed line through points; an edge around which a lane turns is a short line in its direction."""
-    found = simplified(joined(points))
+    found = simplify_line(drop_repeated_points(points))
     if np.hypot(*np.diff(found, axis=0).T).sum() < SHORTEST:
         length = float(np.hypot(*ahead))
         found = np.array([found[0], found[0] + TURNING * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])

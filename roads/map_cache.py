@@ -48,7 +48,7 @@ CODE = code_there()
 """The code that runs: it is read when it is imported, since it may be changed later."""
 
 
-def place_of(what: str, source: bytes, tolerance: float) -> Path | None:
+def map_cache_path(what: str, source: bytes, tolerance: float) -> Path | None:
     """The file that keeps `what` of a map; None if that is small, or nothing can be kept."""
     folder = cache_folder() if len(source) >= SMALLEST and CODE else None
     if folder is None:
@@ -86,14 +86,14 @@ def keep(place: Path, arrays: Arrays) -> None:
 # Shapes
 
 
-def packed(shapes: Sequence[BaseGeometry]) -> dict[str, NDArray[Any]]:
+def pack_shapes(shapes: Sequence[BaseGeometry]) -> dict[str, NDArray[Any]]:
     """Shapes as arrays."""
     each = shapely.to_wkb(np.array(shapes, dtype=object))
     return {"shapes": np.frombuffer(b"".join(each), dtype=np.uint8), "sizes": np.array([len(one) for one in each], dtype=np.int64)}
 
 
-def unpacked(arrays: Arrays) -> NDArray[Any]:
-    """The shapes that `packed` was given."""
+def unpack_shapes(arrays: Arrays) -> NDArray[Any]:
+    """The shapes that `pack_shapes` was given."""
     ends = np.cumsum(arrays["sizes"]).tolist()
     data = arrays["shapes"].tobytes()
     each = [data[start:end] for start, end in zip([0, *ends], ends, strict=False)]
@@ -138,17 +138,17 @@ def end_of(kind: int, data: bytes, place: int) -> int:
 
 def load_cells(source: bytes, tolerance: float) -> list[Cell] | None:
     """The parts of the field of a map's `roadDirection`, if they were kept."""
-    arrays = arrays_in(place_of("direction", source, tolerance))
+    arrays = arrays_in(map_cache_path("direction", source, tolerance))
     if arrays is None:
         return None
     try:
-        return list(zip(unpacked(arrays), arrays["headings"].tolist(), strict=True))
+        return list(zip(unpack_shapes(arrays), arrays["headings"].tolist(), strict=True))
     except FAULTS:
         return None
 
 
 def keep_cells(source: bytes, tolerance: float, cells: Sequence[Cell]) -> None:
     """Keep the parts of the field for the next process."""
-    place = place_of("direction", source, tolerance)
+    place = map_cache_path("direction", source, tolerance)
     if place is not None:
-        keep(place, {"headings": np.array([heading for _, heading in cells], dtype=float), **packed([polygon for polygon, _ in cells])})
+        keep(place, {"headings": np.array([heading for _, heading in cells], dtype=float), **pack_shapes([polygon for polygon, _ in cells])})

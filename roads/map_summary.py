@@ -89,10 +89,10 @@ def unreachable(lane: Lane) -> Iterator[str]:
         yield f"no lane leads to {lane.uid}"
     if after is not None and lane.sections[-1] in last.lanes and not lane.maneuvers and lane._successor is None:
         yield f"{lane.uid} leads nowhere"
-    yield from unlinked(lane)
+    yield from unlinked_lane_ends(lane)
 
 
-def unlinked(lane: Lane) -> Iterator[str]:
+def unlinked_lane_ends(lane: Lane) -> Iterator[str]:
     """That a lane ends along its road where another one begins, without a link."""
     last = lane.sections[-1]
     sections = lane.road.sections if last.isForward else lane.road.sections[::-1]

@@ -28,7 +28,7 @@ from ..semantics.space.symbol_seam import Listed
 from ..semantics.space.vectors import Vector
 from ..semantics.store.sets import FrozenSet
 from .immutable import Fixed, element_of
-from .lane_edges import Points, directed, strips, united
+from .lane_edges import Points, directed_line, strips, union_closing_gaps
 from .map_cache import keep_cells, load_cells
 
 GREEN, YELLOW, CLEARING = 10.0, 3.0, 2.0
@@ -191,7 +191,7 @@ class NetworkElement(Fixed, PolygonalRegion, Listed):
 
     def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
         """The directions of traffic at a point."""
-        return (self.heading_at(vector(point)),)
+        return (self.heading_at(vector_at(point)),)
 
 
 class LinearElement(NetworkElement):
@@ -230,7 +230,7 @@ class LinearElement(NetworkElement):
 
     def along(self, line: Points) -> PolylineRegion:
         """A line along the element; one around which it turns is short."""
-        return directed(line, self.middle[-1] - self.middle[0])
+        return directed_line(line, self.middle[-1] - self.middle[0])
 
     @property
     def strips(self) -> Sequence[tuple[Polygon, float]]:
@@ -256,7 +256,7 @@ class LinearElement(NetworkElement):
 
     def flowFrom(self, point: object, distance: float, steps: int | None = None, stepSize: float = 5) -> Vector:
         """The point that is reached along the direction of traffic: forward Euler in so many steps, or in steps of at most `stepSize`."""
-        v = vector(point)
+        v = vector_at(point)
         count = steps or max(1, math.ceil(abs(distance) / stepSize))
         for _ in range(count):
             heading = self.heading_at(v)
@@ -321,7 +321,7 @@ class Road(LinearElement):
 
     def shiftLanes(self, point: object, offset: int) -> Vector | None:
         """The point as far along another lane, so many to the left of the point's (to the right if negative); None if there is none."""
-        v = vector(point)
+        v = vector_at(point)
         section = self.laneSectionAt(v)
         other = None if section is None else section.shiftedBy(offset)
         if section is None or other is None:
@@ -503,7 +503,7 @@ class PedestrianCrossing(LinearElement):
     endSidewalk: Sidewalk | None = None
 
 
-def vector(point: object) -> Vector:
+def vector_at(point: object) -> Vector:
     """A vector, a pair of numbers, or the position of an object."""
     if isinstance(point, Vector):
         return point
@@ -594,7 +594,7 @@ class Intersection(NetworkElement):
 
     def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
         """The maneuvers whose connecting lanes have a point; if none has it, those within `tolerance` of it, else of the nearest one."""
-        v = vector(point)
+        v = vector_at(point)
         distances = [m.connectingLane.distance_to(v) if m.connectingLane else math.inf for m in self.maneuvers]
         nearest = min(distances, default=0.0)
         within = 0.0 if nearest == 0.0 else max(nearest, self.network.tolerance)
@@ -602,7 +602,7 @@ class Intersection(NetworkElement):
 
     def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
         """The directions of the maneuvers at a point."""
-        v = vector(point)
+        v = vector_at(point)
         return tuple(m.connectingLane.heading_at(v) for m in self.maneuversAt(v) if m.connectingLane)
 
 
@@ -691,7 +691,7 @@ def region_along(elements: Sequence[NetworkElement], name: str, orientation: Vec
     """The union of elements, oriented by a field; the empty region if there are none."""
     if not elements:
         return nowhere
-    whole = united([element.polygon for element in elements])
+    whole = union_closing_gaps([element.polygon for element in elements])
     if network is None:
         return PolygonalRegion(polygon=whole, orientation=orientation, name=name)
     made = NetworkRegion(polygon=whole, orientation=orientation, name=name)
@@ -703,7 +703,7 @@ def fringe(cells: Sequence[Cell], elements: Sequence[NetworkElement], width: flo
     """What is so near to the cells of elements but outside these: the cells so much wider, in their order, where they come out of the elements."""
     if not cells:
         return []
-    whole = united([element.polygon for element in elements])
+    whole = union_closing_gaps([element.polygon for element in elements])
     shapely.prepare(whole)
     wider = shapely.buffer([polygon for polygon, _ in cells], width, quad_segs=2)
     outside = ~shapely.covers(whole, wider)
@@ -909,7 +909,7 @@ class Network(Fixed):
 
         If there is none: None, or, if `reject` is true, the run is rejected (`Absent`).
         """
-        v = vector(point)
+        v = vector_at(point)
         return self.first_of(self.near(among, v), v, reject)
 
     def first_of(self, candidates: Iterable[Element], v: Vector, reject: bool | str) -> Element | None:
@@ -983,7 +983,7 @@ class Network(Fixed):
 
     def findPointIn(self, point: object, elems: Sequence[Element], reject: bool | str) -> Element | None:
         """`first`, under the released library's name."""
-        v = vector(point)
+        v = vector_at(point)
         there = [element for element in self.near(self._tree[1], v) if element in elems]
         return self.first_of(sorted(there, key=elems.index), v, reject)  # type: ignore[arg-type]
 

@@ -18,7 +18,7 @@ from ..semantics.space.vectors import Vector
 from ..semantics.store.sets import FrozenSet
 from .immutable import Fixed, complete
 from .lane_edges import Points
-from .map_cache import FAULTS, Arrays, arrays_in, keep, packed, place_of, unpacked
+from .map_cache import FAULTS, Arrays, arrays_in, keep, map_cache_path, pack_shapes, unpack_shapes
 from .network import (
     BikeLane,
     Intersection,
@@ -50,7 +50,7 @@ APART = frozenset({"source", "again"})
 
 def load_network(source: bytes, tolerance: float) -> Network | None:
     """The network of a map, if it was kept; `source` and `again` are for the caller to add."""
-    arrays = arrays_in(place_of("network", source, tolerance))
+    arrays = arrays_in(map_cache_path("network", source, tolerance))
     if arrays is None:
         return None
     try:
@@ -61,7 +61,7 @@ def load_network(source: bytes, tolerance: float) -> Network | None:
 
 def keep_network(network: Network) -> None:
     """Keep a network for the next process that reads its map."""
-    place = place_of("network", network.source, network.tolerance)
+    place = map_cache_path("network", network.source, network.tolerance)
     if place is not None:
         keep(place, NetworkWriter().arrays(network))
 
@@ -85,7 +85,7 @@ class NetworkWriter:
             given = {name: value for name, value in vars(one).items() if name not in APART and not is_calculated(kind, name)}
             records.append((kind.__name__, {name: self.value(value) for name, value in given.items()}))
         text = json.dumps(records).encode()
-        return {"objects": np.frombuffer(text, dtype=np.uint8), "points": np.concatenate([np.empty((0, 2)), *self.points]), **packed(self.shapes)}
+        return {"objects": np.frombuffer(text, dtype=np.uint8), "points": np.concatenate([np.empty((0, 2)), *self.points]), **pack_shapes(self.shapes)}
 
     def number(self, one: Fixed) -> int:
         """The number of an object, which will be written."""
@@ -127,7 +127,7 @@ class NetworkReader:
         self.records: list[tuple[str, dict[str, Any]]] = json.loads(arrays["objects"].tobytes())
         self.objects = [kind.__new__(kind) for kind in (KINDS[name] for name, _ in self.records)]
         self.points = arrays["points"]
-        self.shapes = unpacked(arrays)
+        self.shapes = unpack_shapes(arrays)
 
     def network(self) -> Network:
         """The network, and all that it consists of."""

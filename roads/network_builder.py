@@ -19,8 +19,8 @@ from ..interpreter.runtime.regular_file import name_and_folder, read_regular_fil
 from ..semantics.space.vectors import Vector
 from . import opendrive
 from .immutable import complete
-from .lane_edges import JOINT, SHORTEST, LaneShape, Points, SectionShape, areas, between, section_shapes
-from .map_generator import made
+from .lane_edges import JOINT, SHORTEST, LaneShape, Points, SectionShape, area_between, areas, section_shapes
+from .map_generator import generate_map
 from .network import (
     BikeLane,
     Intersection,
@@ -156,7 +156,7 @@ def make_sections(net: Assembly, road: RoadRecord) -> None:
             if float(np.hypot(*np.diff((left + right) / 2, axis=0).T).sum()) < SHORTEST:
                 net.notes.add("lanes without length, which are left out", lane_name(place))
             elif lane.width.max() > NARROWEST:
-                net.sections[place] = TravelledLane(place, lane, forward, left, right, between(left, right))
+                net.sections[place] = TravelledLane(place, lane, forward, left, right, area_between(left, right))
 
 
 def traffic_lanes(net: Assembly, road: str) -> list[TravelledLane]:
@@ -169,13 +169,13 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     """A road with its lanes, groups, sections, sidewalks and shoulders."""
     drivable = traffic_lanes(net, record.id)
     uid = f"road{record.id}"
-    sides = {forward: beside(net, record, forward, uid) for forward in (True, False)}
+    sides = {forward: roadside_elements(net, record, forward, uid) for forward in (True, False)}
     if not drivable:
         return
     about = {"id": record.id, "speedLimit": record.speed}
     edges = along_traffic(road_edges(net, record, drivable), record, {s.forward for s in drivable})
-    road = net.linear(Road, uid, **edges, polygon=united(drivable), name=record.name or uid, **about)
-    chains = list(chained(net, drivable))
+    road = net.linear(Road, uid, **edges, polygon=union_of_lanes(drivable), name=record.name or uid, **about)
+    chains = list(chain_lanes(net, drivable))
     groups = {
         forward: group(net, record, road, [c for c in chains if c[0].forward is forward], forward, sides[forward])
         for forward in (True, False) if any(c[0].forward is forward for c in chains)
@@ -217,12 +217,12 @@ def along_traffic(edges: Mapping[str, Points], record: RoadRecord, ways: Collect
     return {name: edge[::-1] if name in against else edge for name, edge in edges.items()}
 
 
-def united(sections: Iterable[TravelledLane]) -> shapely.Geometry:
+def union_of_lanes(sections: Iterable[TravelledLane]) -> shapely.Geometry:
     """All of some lanes."""
     return shapely.union_all([section.polygon for section in sections])
 
 
-def chained(net: Assembly, sections: Sequence[TravelledLane]) -> Iterator[list[TravelledLane]]:
+def chain_lanes(net: Assembly, sections: Sequence[TravelledLane]) -> Iterator[list[TravelledLane]]:
     """The lanes of a road: each goes on into one lane of the next section, if that has not gone on from another."""
     taken: set[Place] = set()
     for first in sections:
@@ -258,7 +258,7 @@ def group(
         curbs.append(edge.left if record.left_hand else edge.right)
     first = {kind: next((e for e in beside if type(e) is kind), None) for kind in (Sidewalk, Shoulder, BikeLane)}
     group = net.linear(
-        LaneGroup, uid, left=np.concatenate(lefts), right=np.concatenate(rights), polygon=united(sections),
+        LaneGroup, uid, left=np.concatenate(lefts), right=np.concatenate(rights), polygon=union_of_lanes(sections),
         id=record.id, road=road, speedLimit=record.speed, outermost=np.concatenate(curbs),
         _sidewalk=first[Sidewalk], _shoulder=first[Shoulder], _bikeLane=first[BikeLane],
     )  # fmt: skip
@@ -281,7 +281,7 @@ def lane(net: Assembly, record: RoadRecord, road: Road, group: LaneGroup, chain:
     limits = [s.shape.record.speed for s in chain if s.shape.record.speed is not None]
     made = net.linear(
         Lane, uid, left=np.concatenate([s.left for s in chain]), right=np.concatenate([s.right for s in chain]),
-        polygon=united(chain), id=record.id, road=road, group=group, speedLimit=limits[0] if limits else record.speed,
+        polygon=union_of_lanes(chain), id=record.id, road=road, group=group, speedLimit=limits[0] if limits else record.speed,
     )  # fmt: skip
     for n, section in enumerate(chain):
         section.lane = made
@@ -309,7 +309,7 @@ def road_sections(net: Assembly, record: RoadRecord, road: Road) -> Iterator[Roa
             complete(element, **neighbours(id, lanes, record.left_hand))
         edges = along_traffic(road_edges_at(shape, sorted(here)), record, {s.forward for s in here.values()})
         section = net.linear(
-            RoadSection, f"{road.uid}_section{i}", **edges, polygon=united(here.values()), id=record.id, road=road,
+            RoadSection, f"{road.uid}_section{i}", **edges, polygon=union_of_lanes(here.values()), id=record.id, road=road,
             lanes=tuple(lanes.values()), by_id=lanes, forwardLanes=tuple(e for e in lanes.values() if e.isForward),
             backwardLanes=tuple(e for e in lanes.values() if not e.isForward),
         )  # fmt: skip
@@ -328,7 +328,7 @@ def road_edges_at(shape: SectionShape, ids: Sequence[int]) -> dict[str, Points]:
     }  # fmt: skip
 
 
-def beside(net: Assembly, record: RoadRecord, forward: bool, uid: str) -> list[LinearElement]:
+def roadside_elements(net: Assembly, record: RoadRecord, forward: bool, uid: str) -> list[LinearElement]:
     """The sidewalks, shoulders and bike lanes on one side of a road."""
     found: list[LinearElement] = []
     for kind, types, what in ((Sidewalk, {"sidewalk"}, "sidewalk"), (Shoulder, SHOULDER, "shoulder"), (BikeLane, {"biking"}, "bike")):
@@ -639,21 +639,21 @@ def network_within(data: bytes, tolerance: float) -> Network:
 
 def made_map(kind: str, **parameters: bool | float) -> Network:
     """The network of a map that `making.made` makes. Raises `ValueError` as it does."""
-    return network_from(made(kind, **parameters).encode())
+    return network_from(generate_map(kind, **parameters).encode())
 
 
 def network_from(data: bytes, tolerance: float = TOLERANCE) -> Network:
     """The network of what is in an OpenDRIVE file; the same one for the same file, since it is immutable. Raises `MapError`."""
-    return kept(data, float(tolerance))
+    return cached_network(data, float(tolerance))
 
 
 @lru_cache(maxsize=4)
-def kept(data: bytes, tolerance: float) -> Network:
+def cached_network(data: bytes, tolerance: float) -> Network:
     """The network, once it is made; that of a large map also for other processes."""
     found = load_network(data, tolerance)
     if found is not None:
         return complete(found, source=data, again=partial(network_from, tolerance=tolerance))
-    made = network_of(opendrive.read(data), tolerance)
+    made = network_of(opendrive.parse_opendrive(data), tolerance)
     keep_network(made)
     return made
 
@@ -674,10 +674,10 @@ def network_of(file: OpenDrive, tolerance: float = TOLERANCE) -> Network:
     crossings(net, intersections)
     for lane in net.of(Lane):
         complete(lane, maneuvers=tuple(net.maneuvers.get(lane, ())))
-    return finished(net, intersections, lights, tolerance)
+    return finish_network(net, intersections, lights, tolerance)
 
 
-def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequence[Signal], tolerance: float) -> Network:
+def finish_network(net: Assembly, intersections: Sequence[Intersection], signals: Sequence[Signal], tolerance: float) -> Network:
     """The network, which every element then knows."""
     records = net.file.roads
     ordinary = [road for id, road in net.roads.items() if records[id].junction is None]

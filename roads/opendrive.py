@@ -29,10 +29,10 @@ class Notes:
 
     def lines(self) -> list[str]:
         """A line each."""
-        return [f"{what}: {_listed(where)}" for what, where in self.found.items()]
+        return [f"{what}: {_join_places(where)}" for what, where in self.found.items()]
 
 
-def _listed(where: Sequence[str]) -> str:
+def _join_places(where: Sequence[str]) -> str:
     return ", ".join(where[:3]) + (f" and {len(where) - 3} more" if len(where) > 3 else "")
 
 
@@ -216,7 +216,7 @@ class OpenDrive:
 
 
 @contextmanager
-def within(what: str) -> Iterator[None]:
+def prefix_map_errors(what: str) -> Iterator[None]:
     """Errors inside say where they are."""
     try:
         yield
@@ -224,7 +224,7 @@ def within(what: str) -> Iterator[None]:
         raise MapError(f"{what}: {problem.message}") from None
 
 
-def read(data: bytes) -> OpenDrive:
+def parse_opendrive(data: bytes) -> OpenDrive:
     """The roads and junctions of a file. Raises `MapError` for what is no OpenDRIVE or is broken."""
     root = parse(data)
     if root.name != "OpenDRIVE":
@@ -233,14 +233,14 @@ def read(data: bytes) -> OpenDrive:
     roads: dict[str, RoadRecord] = {}
     for element in root.all("road"):
         id = element.text("id")
-        with within(f"road {id}"):
+        with prefix_map_errors(f"road {id}"):
             if id in roads:
                 raise MapError(f"line {element.line}: there are two roads with this id")
             roads[id] = road(element, notes)
     junctions: dict[str, JunctionRecord] = {}
     for element in root.all("junction"):
         id = element.text("id")
-        with within(f"junction {id}"):
+        with prefix_map_errors(f"junction {id}"):
             junctions[id] = junction(element)
     if not roads:
         raise MapError("it has no roads")
@@ -307,7 +307,7 @@ def piece(element: Element) -> Piece:
     shape = next((c for c in element.children if c.name in SHAPES), None)
     if shape is None:
         raise MapError(f"line {element.line}: <geometry> must be one of {', '.join(SHAPES)}")
-    parameters = tuple(bounded(shape, name) for name in SHAPES[shape.name])
+    parameters = tuple(bounded_coordinate(shape, name) for name in SHAPES[shape.name])
     if shape.name in ("arc", "spiral") and max(map(abs, parameters)) * length > MOST_TURNED:
         raise MapError(f"line {element.line}: this <{shape.name}> turns more than {MOST_TURNED / math.tau:.0f} times")
     if shape.name == "paramPoly3" and shape.text("pRange", "normalized") == "arcLength":
@@ -322,7 +322,7 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
 """The kinds of pieces of a reference line, with their parameters."""
 
 
-def bounded(element: Element, name: str) -> float:
+def bounded_coordinate(element: Element, name: str) -> float:
     """A number of a map. Raises `MapError` where nothing can be so large."""
     found = element.number(name)
     if abs(found) > FURTHEST:
@@ -332,7 +332,7 @@ def bounded(element: Element, name: str) -> float:
 
 def profile(elements: Iterator[Element], place: str, start: float) -> Profile:
     """A piecewise cubic function; `place` is the attribute that says where each piece begins, counted from `start`."""
-    pieces = [Cubic(start + bounded(e, place), *(bounded(e, name) for name in "abcd")) for e in elements]
+    pieces = [Cubic(start + bounded_coordinate(e, place), *(bounded_coordinate(e, name) for name in "abcd")) for e in elements]
     return Profile(tuple(sorted(pieces, key=lambda piece: piece.start)))
 
 

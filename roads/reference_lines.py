@@ -102,7 +102,7 @@ def breaks(pieces: Sequence[Piece], least: float) -> Iterator[tuple[float, float
             yield following.s, gap
 
 
-def sampled(pieces: Sequence[Piece], width: float) -> Numbers:
+def sample_distances(pieces: Sequence[Piece], width: float) -> Numbers:
     """Distances between which a reference line, and what runs up to `width` metres beside it, is nearly straight."""
     found: list[Numbers] = []
     for piece in pieces:

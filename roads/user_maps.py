@@ -38,7 +38,7 @@ class MapFeature:
     @property
     def parts(self) -> list[BaseGeometry]:
         """The polygons, lines and points that the shape consists of."""
-        return parts_of(self.shape)
+        return simple_parts(self.shape)
 
     @property
     def polygons(self) -> list[Polygon]:
@@ -121,7 +121,7 @@ class SiteMap:
         return {
             "features": [
                 {
-                    "name": feature.name, "kind": feature.kind, "size": round(size_of(feature), 3),
+                    "name": feature.name, "kind": feature.kind, "size": round(feature_size(feature), 3),
                     "heading": None if feature.kind != "areas" or feature.heading is None else round(math.degrees(feature.heading), 9),
                 }
                 for feature in self.features
@@ -132,15 +132,15 @@ class SiteMap:
         }  # fmt: skip
 
 
-def size_of(feature: MapFeature) -> float:
+def feature_size(feature: MapFeature) -> float:
     """The area, the length, or the number of points."""
     return {"areas": feature.shape.area, "lines": feature.shape.length, "points": float(len(feature.parts))}[feature.kind]
 
 
-def parts_of(shape: BaseGeometry) -> list[BaseGeometry]:
+def simple_parts(shape: BaseGeometry) -> list[BaseGeometry]:
     """The polygons, lines and points that a shape consists of, collections in collections too."""
     if isinstance(shape, BaseMultipartGeometry):
-        return [part for inner in shape.geoms for part in parts_of(inner)]
+        return [part for inner in shape.geoms for part in simple_parts(inner)]
     return [] if shape.is_empty else [LineString(shape.coords) if isinstance(shape, LinearRing) else shape]
 
 

@@ -19,7 +19,7 @@ from ..semantics.machine.operand_kinds import kind_name
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
 from .immutable import Fixed
-from .network import LinearElement, vector
+from .network import LinearElement, vector_at
 
 SIDEWAYS, SLOWING = 2.5, 3.0
 """Metres per second squared that a comfortable driver allows in a bend, and when braking before it."""
@@ -159,7 +159,7 @@ class Trajectory(Fixed):
 
     def along(self, position: object, last: float | None = None) -> float:
         """How many metres along the path the point nearest to a position is; near the `last` such place, if that is given."""
-        v = vector(position)
+        v = vector_at(position)
         if last is None:
             return self.table.project(v.x, v.y, 0.0, self.length)
         return self.table.project(v.x, v.y, max(0.0, last - BEHIND), min(self.length, last + AHEAD))
@@ -173,7 +173,7 @@ class Trajectory(Fixed):
 
         The vehicle turns by speed · sin(steering · 90°) / length (radians per second), as in the simulators.
         """
-        v = vector(position)
+        v = vector_at(position)
         target = self.table.point(place + max(SHORTEST, SECONDS * abs(speed))) - v
         distance = max(math.hypot(target.x, target.y), 1e-3)
         aside = math.atan2(-target.x, target.y) - heading  # to the left
@@ -213,6 +213,6 @@ def points_of(part: object) -> Iterable[Vector]:
     if isinstance(part, (list, tuple)) and not (part and all(isinstance(x, (int, float)) for x in part)):
         return [v for inner in part for v in points_of(inner)]
     try:
-        return [vector(part)]
+        return [vector_at(part)]
     except (TypeError, ValueError):
         raise TypeError(f"a trajectory leads along lanes, lines and points, not along {kind_name(part)}") from None

@@ -23,7 +23,7 @@ from typing import Any
 
 from ..data.simulation import Body, Pose
 from ..interpreter.runtime.optional_packages import needed
-from ..roads.map_generator import made
+from ..roads.map_generator import generate_map
 from ..semantics.store.errors import UsageError
 from . import actions as a
 from .controls import PROPERTIES, along, checked_timestep
@@ -129,7 +129,7 @@ class Traffic:
         now = None if file is None else file.stat()
         key = None if now is None else (named, now.st_mtime_ns, now.st_size)
         if key not in self.maps:
-            self.maps[key] = self.converted(made("grid", **DEFAULT).encode() if file is None else file.read_bytes(), named or "of the program")
+            self.maps[key] = self.converted(generate_map("grid", **DEFAULT).encode() if file is None else file.read_bytes(), named or "of the program")
         return self.maps[key]
 
     def converted(self, opendrive: bytes, name: object) -> bytes:

@@ -36,7 +36,7 @@ class KeptScenes:
         self.cache = cache
         self.kept: dict[str, dict[SceneNumber, Path]] = {}
         for path in [] if cache is None else sorted(Path(str(cache._cachedir), "d", FOLDER).glob("*.json")):
-            found = read(path)
+            found = read_failure(path)
             if found is not None:
                 self.kept.setdefault(found[0], {})[found[1]] = path
 
@@ -50,7 +50,7 @@ class KeptScenes:
         if self.cache is None or (number not in mine and len(mine) >= MOST_KEPT):
             return
         with suppress(OSError):
-            path = Path(self.cache.mkdir(FOLDER)) / name_of(test, number)
+            path = Path(self.cache.mkdir(FOLDER)) / failure_file_name(test, number)
             begun = path.with_suffix(".begun")
             begun.write_text(json.dumps({"schema": SCHEMA, "test": test, **number._asdict(), **record}, indent=2) + "\n", encoding="utf-8")
             begun.replace(path)
@@ -65,17 +65,17 @@ class KeptScenes:
 
     def path(self, test: str, number: SceneNumber) -> Path | None:
         """Where a scene is kept, or would be; None without a cache."""
-        return None if self.cache is None else Path(str(self.cache._cachedir), "d", FOLDER, name_of(test, number))
+        return None if self.cache is None else Path(str(self.cache._cachedir), "d", FOLDER, failure_file_name(test, number))
 
 
-def name_of(test: str, number: SceneNumber) -> str:
+def failure_file_name(test: str, number: SceneNumber) -> str:
     """The name of a file: the test's, as far as it can stand in one, and a digest of all of it."""
     plain = re.sub(r"\W+", "_", test.rpartition("::")[2], flags=re.ASCII)[:60].strip("_")
     digest = hashlib.sha256(f"{test}\0{number.seed}\0{number.number}".encode("utf-8", "surrogatepass")).hexdigest()[:12]
     return f"{plain}-{digest}.json"
 
 
-def read(path: Path) -> tuple[str, SceneNumber] | None:
+def read_failure(path: Path) -> tuple[str, SceneNumber] | None:
     """The test and the scene of a file; None of one that is not ours, or broken."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))

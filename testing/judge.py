@@ -44,7 +44,7 @@ def same_distribution(
     """
     if not isinstance(scenario, Scenario):
         raise UsageError(f"samples are compared with a scenario, not with a {type(scenario).__name__}", hint="scenic_ref.load(path) gives one")
-    return judged(
+    return judge_samples(
         samples, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, tolerance=tolerance, ignore=ignore, map=map, reference=reference,
     )  # fmt: skip
 
@@ -78,7 +78,7 @@ Drawing = Callable[[int], AbstractContextManager[Sampler]]
 """Gives what draws a number of scenes."""
 
 
-def judged(
+def judge_samples(
     samples: Samples, scenario: Scenario, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, seed: int = REFERENCE_SEED,
     tolerance: float = DEFAULT_TOLERANCE, ignore: Sequence[str] = (), map: Mapping[str, str] | None = None,
     reference: Reference | None = None, draw: Drawing | None = None, replay: str = "",
@@ -86,7 +86,7 @@ def judged(
     """The verdict of `same_distribution`; `draw` stands for the scenario where scenes are drawn."""
     check_settings(alpha, detect_tv, None, tolerance)
     names = SampleNames(tuple(ignore), dict(map or {}))
-    scenes, first = opened(samples)
+    scenes, first = open_samples(samples)
     scenario.rehearse()
     again = replay or replay_of(samples, scenario, alpha, detect_tv, seed, tolerance, names, drawn=reference is None)
     if first is None:
@@ -98,7 +98,7 @@ def judged(
     classes = frozenset(str(value) for name, value in scenario.constants.items() if name.endswith(".class"))
     names = SampleNames(names.ignore, names.map, classes)
     facts = scenario.facts.without(names.ignored)
-    law = None if reference is not None else enumerated(scenario)
+    law = None if reference is not None else enumerate_if_small(scenario)
     facts = facts if law is None else with_law(facts, law, names)
     given = Given(scenes, seed, facts=facts, names=names, tolerance=tolerance)
     if reference is None and law is None and seed in given.drawn:
@@ -110,16 +110,16 @@ def judged(
         )  # fmt: skip
 
 
-def opened(samples: Samples) -> tuple[Path | Iterable[AnyScene], AnyScene | None]:
+def open_samples(samples: Samples) -> tuple[Path | Iterable[AnyScene], AnyScene | None]:
     """The samples, and the first of them, None if there is none. Raises `UsageError` for what holds no scenes."""
     if isinstance(samples, (str, Path)):
         return Path(samples), next((scene for _, scene in scenes_in(samples)), None)
-    scenes = iter(checked(samples))
+    scenes = iter(check_scene_types(samples))
     first = next(scenes, None)
     return chain([] if first is None else [first], scenes), first
 
 
-def checked(samples: Iterable[AnyScene]) -> Iterable[AnyScene]:
+def check_scene_types(samples: Iterable[AnyScene]) -> Iterable[AnyScene]:
     """The samples. Raises `UsageError` for what is not a scene."""
     for number, scene in enumerate(samples, 1):
         if not isinstance(scene, (Scene, Mapping)):
@@ -154,7 +154,7 @@ def known_reference(reference: Reference, given: Given, facts: Facts, names: Sam
     return found
 
 
-def enumerated(scenario: Scenario) -> Enumeration | None:
+def enumerate_if_small(scenario: Scenario) -> Enumeration | None:
     """The exact distribution, if it takes few runs; otherwise None."""
     try:
         return scenario.enumerate(max_runs=MOST_RUNS)

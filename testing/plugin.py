@@ -108,7 +108,7 @@ def kept_scenes(config: pytest.Config) -> KeptScenes:
 # What a test asks for
 
 
-def marked(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
+def marker_settings(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
     """What the markers of a test, its class and its module say together, the nearest first; None without one. Raises `pytest.UsageError`."""
     markers = list(node.iter_markers("scenic"))
     if not markers:
@@ -122,16 +122,16 @@ def marked(node: pytest.Item | pytest.Function, config: pytest.Config, path: Pat
     if "program" not in said:
         raise pytest.UsageError('the marker scenic needs a program, as in @pytest.mark.scenic("crossing.scenic", scenes=20)')
     program, attempts = said.pop("program"), said.pop("max_attempts", None)
-    scenes = whole("scenes", said.pop("scenes", None), config, DEFAULT_SCENES)
-    seed = whole("seed", said.pop("seed", None), config, DEFAULT_SEED)
+    scenes = integer_setting("scenes", said.pop("scenes", None), config, DEFAULT_SCENES)
+    seed = integer_setting("seed", said.pop("seed", None), config, DEFAULT_SEED)
     if scenes < 1:
         raise pytest.UsageError(f"scenes={scenes}: a test is run for at least one scene")
     if attempts is not None and (type(attempts) is not int or attempts < 1):
         raise pytest.UsageError(f"max_attempts={attempts!r}: a whole number from 1 is expected")
-    return Marked(asked(program, path.parent, said), scenes, seed, attempts)
+    return Marked(named_program(program, path.parent, said), scenes, seed, attempts)
 
 
-def whole(name: str, said: object, config: pytest.Config, otherwise: int) -> int:
+def integer_setting(name: str, said: object, config: pytest.Config, otherwise: int) -> int:
     """A number of the marker: the command line wins over it, and it over the settings. Raises `pytest.UsageError`."""
     given = config.getoption(f"scenic_{name}")
     if given is not None:
@@ -147,7 +147,7 @@ def whole(name: str, said: object, config: pytest.Config, otherwise: int) -> int
     return said
 
 
-def asked(program: object, folder: Path, options: Mapping[str, object]) -> NamedProgram:
+def named_program(program: object, folder: Path, options: Mapping[str, object]) -> NamedProgram:
     """A program by the name of a file, or a text: one with a space or a line break that does not end in .scenic. Raises `pytest.UsageError`."""
     for name in options:
         if name not in LOADED_BY:
@@ -159,9 +159,9 @@ def asked(program: object, folder: Path, options: Mapping[str, object]) -> Named
     return NamedProgram(folder / program, "", folder, options)
 
 
-def checked(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
+def checked_marker_settings(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
     """What the markers say, where there is such a file. Raises `pytest.UsageError`."""
-    found = marked(node, config, path)
+    found = marker_settings(node, config, path)
     if found is not None and found.program.file is not None and not found.program.file.is_file():
         from ..semantics.store.suggestions import nearest
 
@@ -179,7 +179,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "scene" not in metafunc.fixturenames:
         return
     try:
-        found = checked(metafunc.definition, metafunc.config, metafunc.definition.path)
+        found = checked_marker_settings(metafunc.definition, metafunc.config, metafunc.definition.path)
     except pytest.UsageError:
         return
     if found is not None:
@@ -197,7 +197,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
         if scene_number(item) is None:
             wrong = ""
             try:
-                checked(item, item.config, item.path)
+                checked_marker_settings(item, item.config, item.path)
             except pytest.UsageError as problem:
                 wrong = str(problem)
             if wrong:  # outside of the handler, so that it is not told twice
@@ -215,7 +215,7 @@ def scenic(request: pytest.FixtureRequest) -> Callable[..., Scenario]:
 
     def load(program: str | Path, **options: object) -> Scenario:
         try:
-            found = asked(program, request.path.parent, options)
+            found = named_program(program, request.path.parent, options)
         except pytest.UsageError as problem:
             raise TypeError(str(problem)) from None
         return found.load()
@@ -226,18 +226,18 @@ def scenic(request: pytest.FixtureRequest) -> Callable[..., Scenario]:
 @pytest.fixture
 def scene(request: pytest.FixtureRequest) -> Scene:
     """One of the scenes that the marker asks for; the test is run for each."""
-    found = marked(request.node, request.config, request.path)
+    found = marker_settings(request.node, request.config, request.path)
     number: SceneNumber | None = getattr(request, "param", None)
     if found is None or number is None:
         pytest.fail('the fixture `scene` needs the marker scenic, as in @pytest.mark.scenic("crossing.scenic", scenes=20)', pytrace=False)
-    scenario = loaded(found.program, request.config)
+    scenario = load_once(found.program, request.config)
     request.node.stash[TRIED] = True
     options = {} if found.attempts is None else {"max_attempts": found.attempts}
     request.node.stash[DRAWN] = scenario.sample(number.seed, number.number, **options)
     return request.node.stash[DRAWN]
 
 
-def loaded(program: NamedProgram, config: pytest.Config) -> Scenario:
+def load_once(program: NamedProgram, config: pytest.Config) -> Scenario:
     """The scenario of a program, loaded and run once for all its scenes."""
     known = config.stash.setdefault(LOADED, [])
     for other, scenario in known:
@@ -256,21 +256,21 @@ def loaded(program: NamedProgram, config: pytest.Config) -> Scenario:
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
     """Tell of a failure which scene it was, how to draw it again, and where in the program an error is."""
     error = program_error(call)
-    with nullcontext() if error is None else hidden(error):
+    with nullcontext() if error is None else hide_own_frames(error):
         report: pytest.TestReport = yield  # pyright: ignore[reportAssignmentType]
     number = scene_number(item)
     if error is not None and report.failed:
         if call.when == "call":
-            report.sections.append(("the program", told(error, hint=False)))  # pytest shows it with the error
+            report.sections.append(("the program", error_report(error, hint=False)))  # pytest shows it with the error
         else:
-            report.longrepr = told(error)
+            report.longrepr = error_report(error)
     if number is not None and call.when in ("setup", "call"):
         remember(item, number, report)
     return report  # pyright: ignore[reportReturnType]
 
 
 @contextmanager
-def hidden(error: BaseException) -> Iterator[None]:
+def hide_own_frames(error: BaseException) -> Iterator[None]:
     """Leave the lines of this package out of what pytest shows of an error, unless all are wanted (`--full-trace`)."""
     modules = [frame.f_globals for frame, _ in traceback.walk_tb(error.__traceback__) if Path(frame.f_code.co_filename).is_relative_to(PACKAGE)]
     for names in modules:
@@ -287,7 +287,7 @@ def program_error(call: pytest.CallInfo[None]) -> ScenicError | None:
     return value if errors is not None and isinstance(value, errors.ScenicError) else None
 
 
-def told(error: ScenicError, *, hint: bool = True) -> str:
+def error_report(error: ScenicError, *, hint: bool = True) -> str:
     """An error with its place in the program, the line there, and, unless it is shown already, the hint."""
     lines = [f"{error.kind}: {error.message}"]
     if error.span.line > 0:
@@ -315,7 +315,7 @@ def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) 
     """Add to a report what is to be kept of its scene, and of a failure the scene for the reader."""
     from .failed_scenes import ATTRIBUTE
 
-    found = marked(item, item.config, item.path)
+    found = marker_settings(item, item.config, item.path)
     if found is None or not item.stash.get(TRIED, False) or not (report.failed or (report.passed and report.when == "call")):
         return
     test = item.nodeid.removesuffix(f"[{getattr(item, 'callspec').id}]")  # noqa: B009 (of some items alone)
@@ -324,19 +324,19 @@ def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) 
     setattr(report, ATTRIBUTE, json.dumps([test, *number, record]))
     if report.failed:
         where = kept_scenes(item.config).path(test, number)
-        report.sections.append(("scene", "\n".join(described(found, number, drawn, where, item.config))))
+        report.sections.append(("scene", "\n".join(describe_scene(found, number, drawn, where, item.config))))
 
 
 def record_of(program: NamedProgram, drawn: Scene | None) -> dict[str, object]:
     """What is kept of a scene besides its number."""
     return {
         "program": None if program.file is None else str(program.file), "text": program.text or None,
-        "options": {name: plain(value) for name, value in program.options.items()},
-        "scene": None if drawn is None else plain(drawn.to_json()),
+        "options": {name: json_or_repr(value) for name, value in program.options.items()},
+        "scene": None if drawn is None else json_or_repr(drawn.to_json()),
     }  # fmt: skip
 
 
-def described(found: Marked, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
+def describe_scene(found: Marked, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
     """A scene in a few lines, how to draw it again, and where it is kept."""
     program = found.program
     name = "the program of the test" if program.file is None else shown_path(program.file, config)
@@ -349,12 +349,12 @@ def described(found: Marked, number: SceneNumber, drawn: Scene | None, where: Pa
     return lines if where is None else [*lines, f"kept in {shown_path(where, config)}, and run first the next time"]
 
 
-def plain(value: object) -> object:
+def json_or_repr(value: object) -> object:
     """A value as JSON has it; of what has no such form, its text."""
     if isinstance(value, Mapping):
-        return {str(name): plain(one) for name, one in value.items()}
+        return {str(name): json_or_repr(one) for name, one in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(one) for one in value]
+        return [json_or_repr(one) for one in value]
     return value if value is None or type(value) in (bool, int, float, str) else repr(value)
 
 

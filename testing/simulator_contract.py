@@ -65,14 +65,14 @@ def check_simulator(
     check_declarations(first)
     scene = scene_for(first, CLASS.format(class_name) + PROGRAM.format(class_name) if program is None else program)
     bodies = scene.bodies
-    given = written(bodies)
+    given = bodies_json(bodies)
     course = course_of(first, scene, action)
-    promise(written(bodies) == given, "the properties of the bodies that it is given stay as they are")
+    promise(bodies_json(bodies) == given, "the properties of the bodies that it is given stay as they are")
     check_poses(first, bodies, course, tolerance)
     check_answers(first, scene, action)
 
     def same(promised: str, seed: int = 0) -> None:
-        promise(alike(course_of(first, scene, action, seed), course, tolerance), promised)
+        promise(is_same_course(course_of(first, scene, action, seed), course, tolerance), promised)
 
     same("after destroy() it can be used again, and the same actions give the same course")
     if not first.random:
@@ -104,12 +104,12 @@ def scene_for(simulator: Simulator, program: str) -> Checked:
     return Checked([body_of(k, state) for k in range(len(state.scene))], lambda seed: surroundings(simulator, state, seed))
 
 
-def written(bodies: Sequence[Body]) -> list[dict[str, object]]:
+def bodies_json(bodies: Sequence[Body]) -> list[dict[str, object]]:
     """What the objects are now, as JSON."""
     return [{name: json_value(value) for name, value in body.properties.items()} for body in bodies]
 
 
-def alike(one: Course, other: Course, tolerance: float) -> bool:
+def is_same_course(one: Course, other: Course, tolerance: float) -> bool:
     """Whether two courses are the same, up to a tolerance."""
     if len(one) != len(other) or any(a.keys() != b.keys() for a, b in zip(one, other)):
         return False
@@ -150,7 +150,7 @@ def course_of(simulator: Simulator, scene: Checked, action: object, seed: int = 
                 simulator.create(late, about)
                 course[-1] |= {body.id: dict(simulator.read(body.id)) for body in late}
                 there = bodies
-            ended = stepped(simulator, action)
+            ended = step_once(simulator, action)
             course.append({body.id: dict(simulator.read(body.id)) for body in there})
             if ended:
                 break
@@ -163,7 +163,7 @@ def course_of(simulator: Simulator, scene: Checked, action: object, seed: int = 
     return course
 
 
-def stepped(simulator: Simulator, action: object) -> bool:
+def step_once(simulator: Simulator, action: object) -> bool:
     """One time step, in which object 0 takes the action; whether the simulator ends the run with it."""
     actions: Mapping[int, Sequence[object]] = {} if action is None else {0: (action,)}
     ended = False
@@ -182,7 +182,7 @@ def check_rejection(simulator: Simulator, scene: Checked, action: object) -> Non
     try:
         simulator.create(scene.bodies, scene.about(0))
         for _ in range(STEPS):
-            if stepped(simulator, action):
+            if step_once(simulator, action):
                 break
             for body in scene.bodies:
                 simulator.read(body.id)
@@ -197,7 +197,7 @@ def check_end(simulator: Simulator, scene: Checked, action: object, steps: int) 
     """A run that the simulator ends; it can be read once more."""
     try:
         simulator.create(scene.bodies, scene.about(0))
-        promise(any(stepped(simulator, action) for _ in range(steps)), f"a run is ended within {steps} time steps, with `EndRun`")
+        promise(any(step_once(simulator, action) for _ in range(steps)), f"a run is ended within {steps} time steps, with `EndRun`")
         poses = [simulator.read(body.id) for body in scene.bodies]
         promise(all(set(pose) == set(simulator.properties) for pose in poses), "after the last time step read() gives all of the `properties`")
     finally:

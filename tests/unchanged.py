@@ -125,7 +125,7 @@ def vectors(programs: Path) -> dict[str, ConformanceVector]:
 
 def of_vector(vector: ConformanceVector, scenes: int) -> Iterator[tuple[str, str]]:
     """Scenes of both backends, simulations, the exact distribution and the rules of the first run, or the error."""
-    from scenic_ref.conformance.implementations.reference import Ourselves, loaded, traced
+    from scenic_ref.conformance.implementations.reference import Ourselves, load_unless_refused, trace_first_run
 
     ours, batch = Ourselves(), Ourselves.by_batch()
     task = vector.task(next(iter(vector.texts)))
@@ -135,9 +135,9 @@ def of_vector(vector: ConformanceVector, scenes: int) -> Iterator[tuple[str, str
         if vector.steps is not None:
             yield f"{vector.name} simulations {seed}", outcome(lambda s=seed: list(ours.simulations(task, STEPS, 2, seed=s, attempts=20)))
     yield f"{vector.name} exact", outcome(lambda: ours.enumerated(task))
-    scenario = loaded(task)
+    scenario = load_unless_refused(task)
     if scenario is not None:
-        yield f"{vector.name} trace", outcome(lambda: [(e.kind, e.rule) for e in traced(scenario, 0, 0).events])
+        yield f"{vector.name} trace", outcome(lambda: [(e.kind, e.rule) for e in trace_first_run(scenario, 0, 0).events])
 
 
 def outcome(draw: Callable[[], object]) -> str:

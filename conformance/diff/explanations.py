@@ -16,7 +16,7 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 SAME = 1e-6
 
 
-def explained(vector: ConformanceVector, dialect: str, reason: str, profile: Mapping[str, str]) -> Mapping[str, str] | None:
+def explain_failure(vector: ConformanceVector, dialect: str, reason: str, profile: Mapping[str, str]) -> Mapping[str, str] | None:
     """The fewest readings of a profile under which this reference fails the vector for the same reason; None if there are none.
 
     `reason` is that of the implementation's verdict. Readings are left out one by one, so that none of those that stay can be.
@@ -45,10 +45,10 @@ def fails_alike(vector: ConformanceVector, dialect: str, reason: str, readings: 
         verdict = vector.matcher.match(Ourselves(), replace(task, readings={**task.readings, **readings}))
     except (Refused, Unsupported):
         return False
-    return verdict.status == "failed" and alike(verdict.reason, reason)
+    return verdict.status == "failed" and is_same_reason(verdict.reason, reason)
 
 
-def alike(ours: str, theirs: str) -> bool:
+def is_same_reason(ours: str, theirs: str) -> bool:
     """Whether two reasons say the same: the same kind of failure, and the same values where they tell them."""
     mine, other = NUMBER.split(ours), NUMBER.split(theirs)
     if "refused" in (ours.partition(" ")[0], theirs.partition(" ")[0]):  # the words of errors differ

@@ -16,7 +16,7 @@ from ...semantics.store.built_in_classes import view_distance
 from ...semantics.store.errors import AttemptsExhausted, ProgramError, UsageError
 from ...semantics.store.scopes import descendants
 from ...semantics.syntax import dynamics
-from ...testing.judge import judged, verdict_on_none
+from ...testing.judge import judge_samples, verdict_on_none
 from ..implementations.harness_client import External
 from ..implementations.line_process import ImplementationFault
 from ..implementations.protocol import NeverAccepted, Refused, SceneRecord, Task, Unsupported
@@ -25,10 +25,10 @@ from .sequential_diff import (
     AskedProgram,
     DiffSettings,
     ProgramVerdict,
-    loaded,
-    looked,
     of_errors,
     of_verdict,
+    scenario_or_error,
+    sequential_verdict,
 )
 from .simulation_differences import in_simulations
 
@@ -45,7 +45,7 @@ def differences(program: AskedProgram, other: External, settings: DiffSettings) 
     """
     deadline = time.monotonic() + settings.seconds
     try:
-        scenario = loaded(program.load, {})
+        scenario = scenario_or_error(program.load, {})
         more = {} if isinstance(scenario, ProgramError) else parts(scenario, other)
         settings = settings._replace(alpha=settings.alpha / (len(more) + 1))
         if not isinstance(scenario, ProgramError) and settings.part in more:
@@ -89,7 +89,7 @@ def is_dynamic(scenario: Scenario) -> bool:
 def in_scenes(program: AskedProgram, scenario: Scenario | ProgramError, other: External, settings: DiffSettings) -> ProgramVerdict:
     """Errors, and the distribution of the scenes."""
     drawing = ScenesThere(program.task, other, settings)
-    return looked(program, scenario, other, settings, drawing.grow, lambda here, alpha: beside(program.name, here, drawing, settings, alpha))
+    return sequential_verdict(program, scenario, other, settings, drawing.grow, lambda here, alpha: compare_scenes(program.name, here, drawing, settings, alpha))
 
 
 class ScenesThere:
@@ -128,7 +128,7 @@ def in_words(scenario: Scenario, settings: DiffSettings) -> list[str]:
     return [name for name, value in leaves(scene) if (isinstance(value, dict) and value.keys() == {"repr"}) or PRINTED.search(str(value))]
 
 
-def named(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRecord]:
+def rename_view_distance(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRecord]:
     """The scenes with the name that the view distance has here, which others call `viewDistance` (reading `view-distance`)."""
     distance = view_distance(scenario.readings)
     if distance == "viewDistance":
@@ -142,7 +142,7 @@ def named(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRe
     return [{**scene, "objects": list(map(renamed, scene["objects"]))} for scene in scenes]  # type: ignore[call-overload]
 
 
-def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
+def compare_scenes(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
     """What the other implementation answered beside the program here."""
     refused = drawing.refused
     if isinstance(scenario, ProgramError):
@@ -157,8 +157,8 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
             return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", settings.attempts), "acceptance")
         first = dict(leaves(drawing.scenes[0]))
         ignore = [feature for feature in (*PRUNED, *settings.ignore, *in_words(scenario, settings)) if any(map(matching(feature), first))]
-        scenes = named(drawing.scenes, scenario)
-        verdict = judged(scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
+        scenes = rename_view_distance(drawing.scenes, scenario)
+        verdict = judge_samples(scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
         return of_verdict(name, verdict, "distribution")
     except ProgramError as error:  # in some of the runs only
         return of_errors(name, error, refused)
@@ -197,7 +197,7 @@ def in_acceptance(program: AskedProgram, scenario: Scenario, other: External, se
         verdict = compare(theirs, AttemptsOf(here), alpha=alpha, detect_tv=settings.detect_tv, seeds=(settings.seed, settings.seed))
         return of_verdict(program.name, verdict, "acceptance")
 
-    return looked(program, scenario, other, settings, drawing.grow, beside)
+    return sequential_verdict(program, scenario, other, settings, drawing.grow, beside)
 
 
 class AttemptsOf:

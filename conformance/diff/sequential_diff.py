@@ -79,7 +79,7 @@ class AskedProgram:
     load: Loading
 
 
-def loaded(load: Loading, readings: Mapping[str, str]) -> Scenario | ProgramError:
+def scenario_or_error(load: Loading, readings: Mapping[str, str]) -> Scenario | ProgramError:
     """The scenario, which runs; or the error that it is."""
     try:
         scenario = load(readings)
@@ -89,7 +89,7 @@ def loaded(load: Loading, readings: Mapping[str, str]) -> Scenario | ProgramErro
         return error
 
 
-def looked(
+def sequential_verdict(
     program: AskedProgram, scenario: Scenario | ProgramError, other: External, settings: DiffSettings, grow: Callable[[int], bool],
     beside: Callable[[Scenario | ProgramError, float], ProgramVerdict],
 ) -> ProgramVerdict:  # fmt: skip
@@ -111,10 +111,10 @@ def looked(
     with suppress(ImplementationFault):  # what was found stays found
         grow(FIRST_LOOK)  # one answer shows a difference, and says little of where there is none
     selected = {**select(), **program.task.readings} if isinstance(scenario, ProgramError) else scenario.readings
-    return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline, selected))
+    return replace(found, reading=find_agreeing_readings(program, other, lambda here: beside(here, alpha), deadline, selected))
 
 
-def agreed(
+def find_agreeing_readings(
     program: AskedProgram, other: External, beside: Callable[[Scenario | ProgramError], ProgramVerdict], deadline: float,
     selected: Mapping[str, str],
 ) -> Mapping[str, str] | None:  # fmt: skip
@@ -129,7 +129,7 @@ def agreed(
         if time.monotonic() >= deadline:
             return False
         try:
-            verdict = beside(loaded(program.load, readings))
+            verdict = beside(scenario_or_error(program.load, readings))
         except UsageError:  # there are too few scenes under these readings to say so
             return False
         return verdict.verdict != "differ" and (refused or verdict.kind != "error")

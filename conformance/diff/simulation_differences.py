@@ -18,16 +18,16 @@ from ...testing.judge import MOST_RUNS
 from ..implementations.harness_client import External
 from ..implementations.line_process import ImplementationFault
 from ..implementations.protocol import NeverAccepted, Refused, SimulationRecord
-from ..recorded_world import RecordedWorld, World, wandering
+from ..recorded_world import RecordedWorld, World, random_walk_world
 from .sequential_diff import (
     AT_ONCE,
     FIRST_LOOK,
     AskedProgram,
     DiffSettings,
     ProgramVerdict,
-    looked,
     of_errors,
     of_verdict,
+    sequential_verdict,
 )
 
 ENOUGH_MISSED = 10
@@ -36,7 +36,7 @@ ENOUGH_MISSED = 10
 
 def in_simulations(program: AskedProgram, scenario: Scenario, other: External, settings: DiffSettings) -> ProgramVerdict:
     """How simulations in one recorded world go: what agents do in each time step, and how it ends."""
-    world = wandering(scenario.sample(settings.seed), settings.steps, settings.seed)
+    world = random_walk_world(scenario.sample(settings.seed), settings.steps, settings.seed)
     deadline = time.monotonic() + settings.seconds
     here = Replayed(scenario, world, settings)
     theirs: list[SimulationRecord] = []
@@ -65,7 +65,7 @@ def in_simulations(program: AskedProgram, scenario: Scenario, other: External, s
         return of_simulations(program.name, replayed, theirs, len(missed), failed, alpha)
 
     try:
-        return looked(program, scenario, other, settings, grow, beside)
+        return sequential_verdict(program, scenario, other, settings, grow, beside)
     except ImplementationFault as fault:
         if fault.kind != "timed out" or theirs or not here.is_none_found:
             raise

@@ -21,7 +21,7 @@ from ..implementations.environments import implementation
 from ..implementations.harness_client import External
 from .causes import seen_often
 from .examination import OUR_FAULT, CampaignSettings, FuzzedProgram, examine
-from .themed_programs import invented
+from .themed_programs import generate_themed_program
 
 FORMAT = "scenic-ref/campaign/1"
 others: list[External] = []
@@ -39,7 +39,7 @@ class Journal:
         if not path.exists():
             self.write(first, "x")
             return
-        kept, lines = read(path)
+        kept, lines = read_campaign(path)
         same = all(kept["settings"].get(key) == first["settings"][key] for key in ("impl", "seed", "alpha", "readings"))
         if not same or kept["implementation"] != name:
             raise UsageError(f"{path} holds a campaign with other settings", hint="impl, seed, alpha and profile stay the same")
@@ -59,7 +59,7 @@ class Journal:
             raise UsageError(f"{self.path} cannot be written: {error.strerror or error}") from None
 
 
-def read(path: Path) -> tuple[dict[str, dict[str, object]], list[FuzzedProgram]]:
+def read_campaign(path: Path) -> tuple[dict[str, dict[str, object]], list[FuzzedProgram]]:
     """The settings and programs of a campaign; a last line that was cut off is left out. Raises `UsageError`."""
     try:
         *whole, last = path.read_text("utf-8").split("\n")  # nothing, or a line that was cut off
@@ -91,7 +91,7 @@ def examined_here(number: int, settings: CampaignSettings, often: frozenset[tupl
     try:
         return examine(number, settings, others[0], often)
     except Exception as fault:
-        theme, text = invented(settings.seed, number)
+        theme, text = generate_themed_program(settings.seed, number)
         words, told = f"{type(fault).__name__}: {fault}"[:200], "".join(traceback.format_exception(fault)[-3:])
         return FuzzedProgram(number, theme, "differ", OUR_FAULT, time.monotonic() - began, text, words, told, minimal=text, confirmed=True)
 
@@ -125,13 +125,13 @@ def examined_by(
                 yield future.result()
     except BrokenProcessPool:
         for number in [*broken, *pending.values()]:
-            theme, text = invented(settings.seed, number)
+            theme, text = generate_themed_program(settings.seed, number)
             yield FuzzedProgram(number, theme, "differ", OUR_FAULT, 0.0, text, "a process died", minimal=text, confirmed=True)
     finally:
-        ended(pool)
+        kill_pool(pool)
 
 
-def ended(pool: ProcessPoolExecutor) -> None:
+def kill_pool(pool: ProcessPoolExecutor) -> None:
     """Nothing of a pool is left, whatever it was doing."""
     processes = list((pool._processes or {}).values())
     pool.shutdown(wait=False, cancel_futures=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .examination import OUR_FAULT, FuzzedProgram
-from .shrinking import measure
+from .shrinking import shrink_order
 
 OUR_BUG = "our bug"
 """The class of what is a fault of this reference."""
@@ -35,7 +35,7 @@ def causes_of(findings: Iterable[FuzzedProgram]) -> list[Cause]:
 
     Two findings have one cause if they differ in the same words, and the rules and properties of one are among those of the other.
     """
-    made_small = sorted((f for f in findings if f.confirmed), key=lambda f: (len(f.rules), measure(f.minimal)))
+    made_small = sorted((f for f in findings if f.confirmed), key=lambda f: (len(f.rules), shrink_order(f.minimal)))
     causes: list[Cause] = []
     for finding in made_small:
         same = next((cause for cause in causes if is_among(cause.smallest, finding)), None)

@@ -20,13 +20,13 @@ from ...semantics.syntax.specifiers import WithSpecifier
 from ...semantics.syntax.statements import PropertyDefault
 from ...simulators.worlds import WORLDS
 from ..diff.scene_differences import differences, is_dynamic
-from ..diff.sequential_diff import AskedProgram, DiffSettings, Loading, ProgramVerdict, loaded
+from ..diff.sequential_diff import AskedProgram, DiffSettings, Loading, ProgramVerdict, scenario_or_error
 from ..implementations.harness_client import External
 from ..implementations.line_process import ImplementationFault
 from ..implementations.protocol import NeverAccepted, Refused, Task, Unsupported
 from ..implementations.reference import Ourselves
 from .shrinking import shrunk
-from .themed_programs import invented
+from .themed_programs import generate_themed_program
 
 FUEL = 300_000
 OUR_FAULT = "our fault"
@@ -102,10 +102,10 @@ class FuzzedProgram:
 
 def examine(number: int, settings: CampaignSettings, other: External, often: frozenset[tuple[str, str]]) -> FuzzedProgram:
     """Program `number` of a campaign. What differs in one of the ways that were seen `often` is not made small again."""
-    theme, text = invented(settings.seed, number)
+    theme, text = generate_themed_program(settings.seed, number)
     began = time.monotonic()
     plain = DiffSettings(settings.share(number) / 2, settings.detect_tv, settings.seed, settings.budget, settings.steps, attempts=ATTEMPTS)
-    verdict = compared(text, other, settings, plain)
+    verdict = compare_program(text, other, settings, plain)
     words = words_of(verdict)
     if verdict.verdict != "differ" or (verdict.kind, words) in often:
         seconds = time.monotonic() - began
@@ -113,8 +113,8 @@ def examine(number: int, settings: CampaignSettings, other: External, often: fro
     until = time.monotonic() + settings.shrinking
 
     def shows(smaller: str, look: DiffSettings) -> ProgramVerdict | None:
-        found = compared(smaller, other, settings, look)
-        return found if found.verdict == "differ" and alike(found, verdict) else None
+        found = compare_program(smaller, other, settings, look)
+        return found if found.verdict == "differ" and is_same_difference(found, verdict) else None
 
     trial = plain._replace(alpha=SHRINKING_RISK, attempts=FEW, part=verdict.part, explained=False, seconds=settings.budget / 2)
     minimal = shrunk(text, lambda smaller: shows(smaller, trial) is not None, lambda: time.monotonic() > until)
@@ -123,7 +123,7 @@ def examine(number: int, settings: CampaignSettings, other: External, often: fro
         minimal, again = text, shows(text, plain._replace(seed=settings.seed + FRESH))
     told = again or verdict
     words = words_of(told)
-    here, there = seen(minimal, other, settings) if told.kind == "acceptance" or PLACED.search(words) else ((), ())
+    here, there = boxes_of_both_sides(minimal, other, settings) if told.kind == "acceptance" or PLACED.search(words) else ((), ())
     return FuzzedProgram(
         number, theme, "differ", told.kind, time.monotonic() - began, text, words, told.detail,
         None if math.isinf(told.evidence) else told.evidence, told.reading, minimal, rules_of(minimal, settings), properties_of(minimal),
@@ -131,7 +131,7 @@ def examine(number: int, settings: CampaignSettings, other: External, often: fro
     )  # fmt: skip
 
 
-def seen(text: str, other: External, settings: CampaignSettings) -> tuple[Boxes, Boxes]:
+def boxes_of_both_sides(text: str, other: External, settings: CampaignSettings) -> tuple[Boxes, Boxes]:
     """The boxes of some scenes of a program here and in the other implementation, for a picture; none where there is no scene."""
     try:
         here: Boxes = boxes_of([scene.to_json() for scene in loads(text, readings=settings.readings, fuel=FUEL).sample_many(SHOWN, settings.seed)])
@@ -144,7 +144,7 @@ def seen(text: str, other: External, settings: CampaignSettings) -> tuple[Boxes,
     return here, there
 
 
-def compared(text: str, other: External, settings: CampaignSettings, look: DiffSettings) -> ProgramVerdict:
+def compare_program(text: str, other: External, settings: CampaignSettings, look: DiffSettings) -> ProgramVerdict:
     """The verdict on a program; `skipped` if it cannot be said there."""
     try:
         task = task_of(text, other, settings.readings)
@@ -162,7 +162,7 @@ def compared(text: str, other: External, settings: CampaignSettings, look: DiffS
 
 def are_rare(load: Loading, seed: int, attempts: int) -> bool:
     """Whether scenes of a program are not found in so many attempts, though none of its values shows that there are none."""
-    scenario = loaded(load, {})
+    scenario = scenario_or_error(load, {})
     if isinstance(scenario, ProgramError):
         return False
     try:
@@ -197,7 +197,7 @@ def words_of(verdict: ProgramVerdict) -> str:
     return NOISE.sub("#", what)[:200]
 
 
-def alike(smaller: ProgramVerdict, larger: ProgramVerdict) -> bool:
+def is_same_difference(smaller: ProgramVerdict, larger: ProgramVerdict) -> bool:
     """Whether a smaller program differs in the same words, or in one of the two features that differ together in the larger one."""
     words = words_of(smaller), words_of(larger)
     if {smaller.kind, larger.kind} <= {"support", "distribution"}:

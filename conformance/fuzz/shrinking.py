@@ -36,13 +36,13 @@ def fresh(text: str, seen: set[str]) -> Iterator[str]:
     except ProgramError:
         yield from fresh_lines(text, seen)
         return
-    size = measure(text)
+    size = shrink_order(text)
     for variant in chain(thinner(program.statements), variants(program.statements)):
         try:
             smaller = to_source(replace_statements(program, variant))
         except Exception:  # a tree that no program has, such as one with an empty block, may be printed in any way, or not at all
             continue
-        if smaller not in seen and measure(smaller) < size:
+        if smaller not in seen and shrink_order(smaller) < size:
             seen.add(smaller)
             yield smaller
 
@@ -63,7 +63,7 @@ def replace_statements(program: Program, statements: object) -> Program:
     return replace(program, statements=statements)
 
 
-def measure(text: str) -> tuple[int, int, str]:
+def shrink_order(text: str) -> tuple[int, int, str]:
     """What is to become smaller: words and signs, then characters; of two that are alike, the first in the order of the alphabet."""
     return len(text.split()), len(text), text
 

@@ -342,7 +342,7 @@ class Invented(NamedTuple):
     text: str
 
 
-def invented(seed: int, number: int) -> Invented:
+def generate_themed_program(seed: int, number: int) -> Invented:
     """Program `number` of a campaign's seed."""
     random = np.random.default_rng([fold(seed), mix(number), 16])
     kind = in_turn(seed, number, len(KINDS))

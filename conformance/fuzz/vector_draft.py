@@ -11,8 +11,8 @@ from ...inference.comparison.comparison import with_law
 from ...inference.comparison.feature_names import SampleNames
 from ...semantics.rules import RULES, SILENT
 from ...semantics.store.errors import AttemptsExhausted, ProgramError
-from ...testing.judge import enumerated
-from ..diff.sequential_diff import loaded
+from ...testing.judge import enumerate_if_small
+from ..diff.sequential_diff import scenario_or_error
 from .causes import ENDED, Cause
 from .examination import ATTEMPTS, FUEL, OUR_FAULT, CampaignSettings
 
@@ -56,7 +56,7 @@ def passage_of(cause: Cause) -> str:
 def error_in(text: str, readings: Mapping[str, str]) -> str | None:
     """The matcher of the error that a program is, None if it is none."""
     try:
-        found = loaded(lambda more: loads(text, readings={**readings, **more}, fuel=FUEL), {})
+        found = scenario_or_error(lambda more: loads(text, readings={**readings, **more}, fuel=FUEL), {})
     except ProgramError as error:
         found = error
     if not isinstance(found, ProgramError):
@@ -71,7 +71,7 @@ def what_is_constant(text: str, readings: Mapping[str, str]) -> str | None:
         scenario = loads(text, readings=readings, fuel=FUEL)
         scenario.sample(max_attempts=ATTEMPTS)  # nothing is constant where there is no scene, and facts look for one longer
         facts = scenario.facts
-        law = enumerated(scenario)
+        law = enumerate_if_small(scenario)
     except (AttemptsExhausted, ProgramError):  # also: an error in simulations only
         return None
     if law is not None and law.outcomes:

@@ -21,12 +21,12 @@ def name(text: str) -> p.Name:
     return p.Name(name=text)
 
 
-def constant(value: object) -> p.Constant:
+def constant_literal(value: object) -> p.Constant:
     """A literal that is not a negative number."""
     return p.Constant(value=value)
 
 
-def number(value: float) -> Expression:
+def number_literal(value: float) -> Expression:
     """A number; a negative one is a minus sign and a literal, and a whole one is written without a point."""
     written = int(value) if float(value).is_integer() else value
     return p.UnaryOperation(operator="-", operand=p.Constant(value=-written)) if written < 0 else p.Constant(value=written)
@@ -39,7 +39,7 @@ def is_dotted(node: Expression) -> bool:
     return isinstance(node, p.Name)
 
 
-def held(node: Expression) -> Expression:
+def as_whole_value(node: Expression) -> Expression:
     """The node as a whole statement, the right-hand side of an assignment, a default value or a result."""
     return e.ObjectOrValue(value=node) if is_dotted(node) else node
 
@@ -80,15 +80,15 @@ def is_in(left: Expression, region: Expression) -> p.Comparison:
 def degrees(value: Expression | float) -> Expression:
     """`value deg`; `-S deg` means `-(S deg)` in every dialect."""
     if isinstance(value, (int, float)):
-        return degrees(number(value))
+        return degrees(number_literal(value))
     if isinstance(value, p.UnaryOperation) and value.operator == "-":
         return p.UnaryOperation(operator="-", operand=degrees(value.operand))
     return e.Degrees(value=value)
 
 
-def clamped(node: Expression, low: float, high: float) -> Expression:
+def clamp_call(node: Expression, low: float, high: float) -> Expression:
     """`min(max(node, low), high)`."""
-    return call("min", call("max", node, number(low)), number(high))
+    return call("min", call("max", node, number_literal(low)), number_literal(high))
 
 
 def _either(head: Expression, specifier: Specifier, operator: Expression) -> Expression:
@@ -149,17 +149,17 @@ def _as_operator(head: Expression, specifier: Specifier) -> Expression | None:
 
 def assign(target: str | Expression, value: Expression) -> s.Assignment:
     """`target = value`."""
-    return s.Assignment(targets=(name(target) if isinstance(target, str) else target,), value=held(value))
+    return s.Assignment(targets=(name(target) if isinstance(target, str) else target,), value=as_whole_value(value))
 
 
 def alone(value: Expression) -> s.ExpressionStatement:
     """An expression as a statement."""
-    return s.ExpressionStatement(value=held(value))
+    return s.ExpressionStatement(value=as_whole_value(value))
 
 
 def give_back(value: Expression) -> s.Return:
     """`return value`."""
-    return s.Return(value=held(value))
+    return s.Return(value=as_whole_value(value))
 
 
 def parameter(text: str, default: Expression | None = None, kind: ParameterKind = "positional") -> p.Parameter:

@@ -61,30 +61,30 @@ class ProgramWriter:
         """A statement with statements inside."""
         kind = int(self.random.integers(4))
         if kind == 0:
-            return [f"if {self.condition()}:", *indented(self.block(depth)), "else:", *indented(self.block(depth))]
+            return [f"if {self.condition()}:", *indent_lines(self.block(depth)), "else:", *indent_lines(self.block(depth))]
         if kind == 1:
-            return [f"for i{depth} in range(2):", *indented(self.block(depth))]
-        lines = ["try:", *indented([*self.block(depth, interruptible=True)])]
+            return [f"for i{depth} in range(2):", *indent_lines(self.block(depth))]
+        lines = ["try:", *indent_lines([*self.block(depth, interruptible=True)])]
         for _ in range(int(self.random.integers(1, 3))):
-            lines += [f"interrupt when {self.condition()}:", *indented(self.block(depth, interruptible=True))]
+            lines += [f"interrupt when {self.condition()}:", *indent_lines(self.block(depth, interruptible=True))]
         if kind == 3:
-            lines += ["except GuardViolation:", *indented([f"take {self.pick('20', '21')}"])]
+            lines += ["except GuardViolation:", *indent_lines([f"take {self.pick('20', '21')}"])]
         return lines
 
     def program(self) -> str:
         """A whole program."""
         lines = ["def now():", "    return simulation.currentTime"]
-        lines += ["behavior Sub(n=4):", *indented([self.pick("take n", "take n, self.x", "wait"), self.pick("take n + 10", "self.x = 1", "wait")])]
+        lines += ["behavior Sub(n=4):", *indent_lines([self.pick("take n", "take n, self.x", "wait"), self.pick("take n + 10", "self.x = 1", "wait")])]
         lines += ["behavior Guarded():", f"    {self.pick('precondition', 'invariant')}: self.x < {self.pick('1', '2')}"]
-        lines += indented(self.block(MOST_DEPTH))
+        lines += indent_lines(self.block(MOST_DEPTH))
         self.guarded = True
         agents = int(self.random.integers(1, 3))
         for k in range(agents):
-            lines += [f"behavior B{k}():", *indented(self.block(0))]
+            lines += [f"behavior B{k}():", *indent_lines(self.block(0))]
         if self.random.random() < 0.4:
             watch = self.pick("require ego.x < 3", "wait", "ego.x = 0")
             body = ["if ego.x > 1:", f"    {self.pick('terminate', 'wait')}", watch, "wait"]
-            lines += ["monitor Watch:", "    while True:", *indented(indented(body))]
+            lines += ["monitor Watch:", "    while True:", *indent_lines(indent_lines(body))]
         objects = [f"Object at ({5 * k}, 0), with x {self.pick('0', 'Uniform(0, 1)')}, with behavior B{k}" for k in range(agents)]
         setup = [f"ego = {objects[0]}", *objects[1:]]
         setup += [s for s, share in (
@@ -102,24 +102,24 @@ class ProgramWriter:
         if self.random.random() < 0.4:
             setup_of_part += [f"made = Object at ({self.pick('0', 'n')}, 9), with made {self.pick('n', 'Uniform(1, 2)')}, with allowCollisions True"]
             setup_of_part += [self.pick("pass", "made.position = (n, 12)", "made.heading = 1")]
-        lines += indented(indented(setup_of_part))
-        lines += ["    compose:", *indented(indented([self.pick("wait", "ego.x = ego.x + n\nwait").replace("\n", "\n        "), "wait"]))]
+        lines += indent_lines(indent_lines(setup_of_part))
+        lines += ["    compose:", *indent_lines(indent_lines([self.pick("wait", "ego.x = ego.x + n\nwait").replace("\n", "\n        "), "wait"]))]
         choices = "do choose {Part(): 1, Part(2): 1}", "do Part(), Part(2)", "do shuffle Part(), Part(2)"
         compose = self.pick("do Part()", "do Part() for 1 steps", *choices)
         after = self.pick("wait", "terminate", "do Part() until ego.x == 1")
-        body = indented(indented([compose, after, "wait"]))
+        body = indent_lines(indent_lines([compose, after, "wait"]))
         if self.random.random() < 0.25:  # ego is made by what Main runs
-            lines += ["scenario Begin():", "    setup:", *indented(indented(setup)), "    compose:", f"        {self.pick('wait', 'pass')}"]
+            lines += ["scenario Begin():", "    setup:", *indent_lines(indent_lines(setup)), "    compose:", f"        {self.pick('wait', 'pass')}"]
             return [*lines, "scenario Main():", "    compose:", "        do Begin()", *body]
         guards = [g for g, share in (
             (f"precondition: drawn < {self.pick('1', '2')}", 0.3),
             (f"invariant: ego.x < {self.pick('3', '4')} and now() < {self.pick('3', '4')}", 0.2),
         ) if self.random.random() < share]  # fmt: skip
-        lines += ["drawn = Uniform(0, 1)", "scenario Main():", *indented(guards), "    setup:", *indented(indented(setup))]
+        lines += ["drawn = Uniform(0, 1)", "scenario Main():", *indent_lines(guards), "    setup:", *indent_lines(indent_lines(setup))]
         return [*lines, "    compose:", *body]
 
 
-def indented(lines: list[str]) -> list[str]:
+def indent_lines(lines: list[str]) -> list[str]:
     """The lines, four spaces to the right."""
     return [f"    {line}" for line in lines]
 

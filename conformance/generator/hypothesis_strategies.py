@@ -27,21 +27,21 @@ class DrawnChoices(Choices):
 
 
 @st.composite
-def written(draw: st.DrawFn, write: Callable[[Choices, ProgramSettings], T], settings: ProgramSettings) -> T:
+def write_from_draws(draw: st.DrawFn, write: Callable[[Choices, ProgramSettings], T], settings: ProgramSettings) -> T:
     """What `write` makes of Hypothesis's choices."""
     return write(DrawnChoices(draw), settings)
 
 
 def programs(settings: ProgramSettings = DEFAULT) -> st.SearchStrategy[Program]:
     """Well-formed programs."""
-    return written(generate, settings)
+    return write_from_draws(generate, settings)
 
 
 def finite_programs(settings: ProgramSettings = DEFAULT) -> st.SearchStrategy[Program]:
     """Well-formed programs of finitely many runs: `Scenario.enumerate` gives their exact distributions."""
-    return written(generate, settings.as_finite())
+    return write_from_draws(generate, settings.as_finite())
 
 
 def ill_formed_programs(settings: ProgramSettings = DEFAULT) -> st.SearchStrategy[IllFormed]:
     """Programs with a single mistake, each with the error that it gives."""
-    return written(ill_formed, settings)
+    return write_from_draws(ill_formed, settings)

@@ -53,12 +53,12 @@ def parse(name: str, lines: str) -> Mistake:
     return Mistake(name, lines, ParseError)
 
 
-def check(name: str, lines: str) -> Mistake:
+def check_mistake(name: str, lines: str) -> Mistake:
     """Something that stands where it can never run."""
     return Mistake(name, lines, CheckError)
 
 
-def run(name: str, rule: str, lines: str) -> Mistake:
+def run_mistake(name: str, rule: str, lines: str) -> Mistake:
     """A premise that cannot hold, whatever is drawn."""
     return Mistake(name, lines, RunError, rule)
 
@@ -98,38 +98,38 @@ GRAMMAR = (
 )
 
 MISPLACED = (
-    check("take at the top level", "take 3"),
-    check("wait at the top level", "wait"),
-    check("terminate at the top level", "terminate"),
-    check("do in a function", "def wrong():\n    do 3"),
-    check("do choose in a setup block", "scenario Wrong():\n    setup:\n        do choose 3"),
-    check("do shuffle in a function", "def wrong():\n    do shuffle 3"),
-    check("abort in a function", "def wrong():\n    abort"),
-    check("abort outside of an interrupt", "behavior Wrong():\n    abort"),
-    check("override in a behavior", "behavior Wrong():\n    override self with speed 3"),
-    check("interrupt at the top level", "try:\n    pass\ninterrupt when True:\n    pass"),
-    check("require always in a function", "def wrong():\n    require always True"),
-    check("require eventually in a behavior", "behavior Wrong():\n    require eventually True"),
-    check("terminate when in a behavior", "behavior Wrong():\n    terminate when True"),
-    check("monitor in a function", "def wrong():\n    monitor Wrong():\n        wait"),
-    check("scenario in a function", "def wrong():\n    scenario Wrong():\n        setup:\n            pass"),
-    check("model in a function", "def wrong():\n    model mars"),
-    check("return at the top level", "return 3"),
-    check("break outside of a loop", "break"),
-    check("continue outside of a loop", "continue"),
-    check("nonlocal at the top level", "nonlocal wrong"),
-    check("import of everything in a function", "def wrong():\n    from math import *"),
-    check("in initial scenario in a behavior", "behavior Wrong():\n    wrong = in initial scenario"),
-    check("parameter given twice", "def wrong(a, a):\n    pass"),
-    check("lambda parameter given twice", "wrong = lambda a, a: 3"),
-    check("keyword argument given twice", "wrong = dict(a=1, a=2)"),
-    check("global parameter given twice", "param wrong = 1, wrong = 2"),
-    check("property given twice", "class Wrong:\n    a: 1\n    a: 2"),
-    check("probability above 1", "require[1.5] True"),
-    check("negative probability", "require[-0.5] True"),
-    check("probability that is no number", "require['a'] True"),
-    check("star outside of a list", "wrong = *ego"),
-    check("handler after one that catches everything", "try:\n    pass\nexcept:\n    pass\nexcept KeyError:\n    pass"),
+    check_mistake("take at the top level", "take 3"),
+    check_mistake("wait at the top level", "wait"),
+    check_mistake("terminate at the top level", "terminate"),
+    check_mistake("do in a function", "def wrong():\n    do 3"),
+    check_mistake("do choose in a setup block", "scenario Wrong():\n    setup:\n        do choose 3"),
+    check_mistake("do shuffle in a function", "def wrong():\n    do shuffle 3"),
+    check_mistake("abort in a function", "def wrong():\n    abort"),
+    check_mistake("abort outside of an interrupt", "behavior Wrong():\n    abort"),
+    check_mistake("override in a behavior", "behavior Wrong():\n    override self with speed 3"),
+    check_mistake("interrupt at the top level", "try:\n    pass\ninterrupt when True:\n    pass"),
+    check_mistake("require always in a function", "def wrong():\n    require always True"),
+    check_mistake("require eventually in a behavior", "behavior Wrong():\n    require eventually True"),
+    check_mistake("terminate when in a behavior", "behavior Wrong():\n    terminate when True"),
+    check_mistake("monitor in a function", "def wrong():\n    monitor Wrong():\n        wait"),
+    check_mistake("scenario in a function", "def wrong():\n    scenario Wrong():\n        setup:\n            pass"),
+    check_mistake("model in a function", "def wrong():\n    model mars"),
+    check_mistake("return at the top level", "return 3"),
+    check_mistake("break outside of a loop", "break"),
+    check_mistake("continue outside of a loop", "continue"),
+    check_mistake("nonlocal at the top level", "nonlocal wrong"),
+    check_mistake("import of everything in a function", "def wrong():\n    from math import *"),
+    check_mistake("in initial scenario in a behavior", "behavior Wrong():\n    wrong = in initial scenario"),
+    check_mistake("parameter given twice", "def wrong(a, a):\n    pass"),
+    check_mistake("lambda parameter given twice", "wrong = lambda a, a: 3"),
+    check_mistake("keyword argument given twice", "wrong = dict(a=1, a=2)"),
+    check_mistake("global parameter given twice", "param wrong = 1, wrong = 2"),
+    check_mistake("property given twice", "class Wrong:\n    a: 1\n    a: 2"),
+    check_mistake("probability above 1", "require[1.5] True"),
+    check_mistake("negative probability", "require[-0.5] True"),
+    check_mistake("probability that is no number", "require['a'] True"),
+    check_mistake("star outside of a list", "wrong = *ego"),
+    check_mistake("handler after one that catches everything", "try:\n    pass\nexcept:\n    pass\nexcept KeyError:\n    pass"),
 )
 
 RESOLUTION = (
@@ -146,89 +146,89 @@ RESOLUTION = (
 )
 
 NAMES = (
-    run("unknown name", "E-Variable", "wrong = nothing"),
-    run("unknown class", "E-Variable", "Objet at (1, 2), facing 3"),
-    run("local variable before its assignment", "E-Variable", "def wrong():\n    return a\n    a = 1\nwrong()"),
+    run_mistake("unknown name", "E-Variable", "wrong = nothing"),
+    run_mistake("unknown class", "E-Variable", "Objet at (1, 2), facing 3"),
+    run_mistake("local variable before its assignment", "E-Variable", "def wrong():\n    return a\n    a = 1\nwrong()"),
     Mistake("ego before its assignment", "wrong = ego.width", RunError, "E-Variable", before_ego=True),
-    run("private name", "E-Attribute", "wrong = (1).__class__"),
-    run("assignment in the body of a Scenic class", "S-Class", "class Wrong:\n    width = 7\nWrong at (1, 2)"),
-    run("super", "E-Call-Host", "wrong = super()"),
+    run_mistake("private name", "E-Attribute", "wrong = (1).__class__"),
+    run_mistake("assignment in the body of a Scenic class", "S-Class", "class Wrong:\n    width = 7\nWrong at (1, 2)"),
+    run_mistake("super", "E-Call-Host", "wrong = super()"),
 )
 
 OPERATORS = (
-    run("deg of a string", "O-Deg", "wrong = 'a' deg"),
-    run("vector of strings", "O-VectorOf", "wrong = 'a' @ 2"),
-    run("relative heading of a string", "O-RelativeHeading", "wrong = relative heading of 'a'"),
-    run("apparent heading of a vector", "O-ApparentHeading", "wrong = apparent heading of (1, 2)"),
-    run("distance from a scalar", "O-Distance", "wrong = distance from 3 to ego"),
-    run("distance past a scalar", "O-DistancePast", "wrong = distance past 3"),
-    run("angle to a string", "O-Angle", "wrong = angle to 'a'"),
-    run("scalar that sees", "O-CanSee-Object", "wrong = 3 can see ego"),
-    run("scalar as a field", "O-At", "wrong = 3 at (1, 2)"),
-    run("vector relative to a scalar", "O-RelativeTo-Fields", "wrong = (1, 2) relative to 3"),
-    run("oriented points relative to each other", "O-RelativeTo-Headings", "wrong = ego relative to ego"),
+    run_mistake("deg of a string", "O-Deg", "wrong = 'a' deg"),
+    run_mistake("vector of strings", "O-VectorOf", "wrong = 'a' @ 2"),
+    run_mistake("relative heading of a string", "O-RelativeHeading", "wrong = relative heading of 'a'"),
+    run_mistake("apparent heading of a vector", "O-ApparentHeading", "wrong = apparent heading of (1, 2)"),
+    run_mistake("distance from a scalar", "O-Distance", "wrong = distance from 3 to ego"),
+    run_mistake("distance past a scalar", "O-DistancePast", "wrong = distance past 3"),
+    run_mistake("angle to a string", "O-Angle", "wrong = angle to 'a'"),
+    run_mistake("scalar that sees", "O-CanSee-Object", "wrong = 3 can see ego"),
+    run_mistake("scalar as a field", "O-At", "wrong = 3 at (1, 2)"),
+    run_mistake("vector relative to a scalar", "O-RelativeTo-Fields", "wrong = (1, 2) relative to 3"),
+    run_mistake("oriented points relative to each other", "O-RelativeTo-Headings", "wrong = ego relative to ego"),
     Mistake(
         "field relative to a heading for no object", "param wrong = VectorField('wrong', lambda v: 1) relative to 3", NeedsPosition,
         "O-RelativeTo-HeadingField",
     ),
-    run("scalar offset by a vector", "O-OffsetBy-OrientedPoint", "wrong = 3 offset by (1, 2)"),
-    run("offset along a string", "O-OffsetAlong-Heading", "wrong = (1, 2) offset along 'a' by (3, 4)"),
-    run("visible scalar", "O-VisibleFrom", "wrong = visible (3)"),
-    run("follow a scalar", "O-Follow", "wrong = follow (3) from (1, 2) for 4"),
-    run("front of a point", "O-FrontOf", "wrong = front of (OrientedPoint at (1, 2))"),
+    run_mistake("scalar offset by a vector", "O-OffsetBy-OrientedPoint", "wrong = 3 offset by (1, 2)"),
+    run_mistake("offset along a string", "O-OffsetAlong-Heading", "wrong = (1, 2) offset along 'a' by (3, 4)"),
+    run_mistake("visible scalar", "O-VisibleFrom", "wrong = visible (3)"),
+    run_mistake("follow a scalar", "O-Follow", "wrong = follow (3) from (1, 2) for 4"),
+    run_mistake("front of a point", "O-FrontOf", "wrong = front of (OrientedPoint at (1, 2))"),
 )
 
 SPECIFIERS = (
-    run("at a scalar", "P-At", "Object at (3), facing 1"),
-    run("offset by a scalar", "P-OffsetBy-Local", "Object offset by (3), facing 1"),
-    run("specifier offset along a string", "P-OffsetAlong-Heading", "Object offset along 'a' by (1, 2), facing 1"),
-    run("left of a string", "P-LeftOf-Object", "Object left of ('a')"),
-    run("ahead of a vector by a vector", "P-AheadOf-Object", "Object ahead of ego by (1, 2)"),
-    run("beyond a scalar", "P-Beyond", "Object beyond (3) by (1, 2)"),
-    run("visible from a scalar", "P-Visible", "Object visible from 3, facing 1"),
-    run("in a vector", "P-In", "Object in ((1, 2)), facing 1"),
-    run("following a scalar", "P-Following", "Object following (3) for 2"),
-    run("facing a string", "P-Facing-Heading", "Object facing ('north')"),
-    run("facing toward a scalar", "P-FacingToward", "Object facing toward 3"),
-    run("facing away from a scalar", "P-FacingAwayFrom", "Object facing away from 3"),
-    run("apparently facing a string", "P-ApparentlyFacing", "Object apparently facing ('north')"),
-    run("specifiers behind no class", "E-ObjectDefinition", "wrong = 3\nwrong at (1, 2), facing 3"),
-    run("class with brackets", "E-ObjectDefinition", "wrong = Object(1, 2)"),
-    run("negative width", "E-ObjectDefinition", "Object with width (-1)"),
-    run("width that is no number", "E-ObjectDefinition", "Object with width ('a')"),
-    run("infinite position", "E-ObjectDefinition", "Object at (1e999, 0), facing 1"),
-    run("flag that is no boolean", "E-ObjectDefinition", "Object with allowCollisions (3)"),
-    run("class that contains itself", "E-ObjectDefinition", "class Wrong:\n    a: Wrong at (1, 2)\nWrong at (1, 2)"),
-    run("random point of the whole plane", "P-In", "Object in everywhere, facing 1"),
+    run_mistake("at a scalar", "P-At", "Object at (3), facing 1"),
+    run_mistake("offset by a scalar", "P-OffsetBy-Local", "Object offset by (3), facing 1"),
+    run_mistake("specifier offset along a string", "P-OffsetAlong-Heading", "Object offset along 'a' by (1, 2), facing 1"),
+    run_mistake("left of a string", "P-LeftOf-Object", "Object left of ('a')"),
+    run_mistake("ahead of a vector by a vector", "P-AheadOf-Object", "Object ahead of ego by (1, 2)"),
+    run_mistake("beyond a scalar", "P-Beyond", "Object beyond (3) by (1, 2)"),
+    run_mistake("visible from a scalar", "P-Visible", "Object visible from 3, facing 1"),
+    run_mistake("in a vector", "P-In", "Object in ((1, 2)), facing 1"),
+    run_mistake("following a scalar", "P-Following", "Object following (3) for 2"),
+    run_mistake("facing a string", "P-Facing-Heading", "Object facing ('north')"),
+    run_mistake("facing toward a scalar", "P-FacingToward", "Object facing toward 3"),
+    run_mistake("facing away from a scalar", "P-FacingAwayFrom", "Object facing away from 3"),
+    run_mistake("apparently facing a string", "P-ApparentlyFacing", "Object apparently facing ('north')"),
+    run_mistake("specifiers behind no class", "E-ObjectDefinition", "wrong = 3\nwrong at (1, 2), facing 3"),
+    run_mistake("class with brackets", "E-ObjectDefinition", "wrong = Object(1, 2)"),
+    run_mistake("negative width", "E-ObjectDefinition", "Object with width (-1)"),
+    run_mistake("width that is no number", "E-ObjectDefinition", "Object with width ('a')"),
+    run_mistake("infinite position", "E-ObjectDefinition", "Object at (1e999, 0), facing 1"),
+    run_mistake("flag that is no boolean", "E-ObjectDefinition", "Object with allowCollisions (3)"),
+    run_mistake("class that contains itself", "E-ObjectDefinition", "class Wrong:\n    a: Wrong at (1, 2)\nWrong at (1, 2)"),
+    run_mistake("random point of the whole plane", "P-In", "Object in everywhere, facing 1"),
 )
 
 DISTRIBUTIONS = (
-    run("no value to choose", "E-Distributions", "wrong = Uniform()"),
-    run("missing parameter", "E-Distributions", "wrong = Range(2)"),
-    run("interval that is upside down", "E-Distributions", "wrong = Range(2, 1)"),
-    run("parameter that is no number", "E-Distributions", "wrong = Normal('a', 1)"),
-    run("negative standard deviation", "E-Distributions", "wrong = Normal(0, -1)"),
-    run("empty window", "E-Distributions", "wrong = TruncatedNormal(0, 1, 2, 1)"),
-    run("weights that are no dictionary", "E-Distributions", "wrong = Discrete(3)"),
-    run("no weights", "E-Distributions", "wrong = Discrete({})"),
-    run("weights of 0", "E-Distributions", "wrong = Discrete({1: 0})"),
-    run("negative weight", "E-Distributions", "wrong = Discrete({1: 1, 2: -1})"),
-    run("resampled operation", "E-Resample", "wrong = resample(Range(0, 1) + 1)"),
-    run("draw inside of a library call", "E-Call-Host", "wrong = sorted([2, 1], key=lambda a: Range(0, 1))"),
+    run_mistake("no value to choose", "E-Distributions", "wrong = Uniform()"),
+    run_mistake("missing parameter", "E-Distributions", "wrong = Range(2)"),
+    run_mistake("interval that is upside down", "E-Distributions", "wrong = Range(2, 1)"),
+    run_mistake("parameter that is no number", "E-Distributions", "wrong = Normal('a', 1)"),
+    run_mistake("negative standard deviation", "E-Distributions", "wrong = Normal(0, -1)"),
+    run_mistake("empty window", "E-Distributions", "wrong = TruncatedNormal(0, 1, 2, 1)"),
+    run_mistake("weights that are no dictionary", "E-Distributions", "wrong = Discrete(3)"),
+    run_mistake("no weights", "E-Distributions", "wrong = Discrete({})"),
+    run_mistake("weights of 0", "E-Distributions", "wrong = Discrete({1: 0})"),
+    run_mistake("negative weight", "E-Distributions", "wrong = Discrete({1: 1, 2: -1})"),
+    run_mistake("resampled operation", "E-Resample", "wrong = resample(Range(0, 1) + 1)"),
+    run_mistake("draw inside of a library call", "E-Call-Host", "wrong = sorted([2, 1], key=lambda a: Range(0, 1))"),
 )
 
 STATEMENTS = (
-    run("requirement that is no boolean", "S-Require", "require 3"),
-    run("behavior as a statement", "D-Do", "behavior Wrong():\n    wait\nWrong()"),
-    run("scenario's name as a statement", "D-Do", "scenario Wrong():\n    setup: pass\nWrong"),
-    run("random probability", "S-SoftReq-Check", "wrong = Uniform(0.25, 0.5)\nrequire[wrong] True"),
-    run("computed probability above 1", "S-SoftReq-Check", "wrong = 2\nrequire[wrong] True"),
-    run("mutated scalar", "S-Mutate", "wrong = 3\nmutate wrong"),
-    run("negative scale of a mutation", "S-Mutate", "mutate ego by (-1)"),
-    run("endless recursion", "E-Call", "def wrong(a): return wrong(a + 1)\nwrong(0)"),
-    run("negative radius", "E-Call-Host", "wrong = CircularRegion((1, 2), -1)"),
-    run("polygon with two corners", "E-Call-Host", "wrong = PolygonalRegion([(1, 2), (3, 4)])"),
-    run("sequence that is too long", "E-Call-Host", "wrong = list(range(10 ** 12))"),
+    run_mistake("requirement that is no boolean", "S-Require", "require 3"),
+    run_mistake("behavior as a statement", "D-Do", "behavior Wrong():\n    wait\nWrong()"),
+    run_mistake("scenario's name as a statement", "D-Do", "scenario Wrong():\n    setup: pass\nWrong"),
+    run_mistake("random probability", "S-SoftReq-Check", "wrong = Uniform(0.25, 0.5)\nrequire[wrong] True"),
+    run_mistake("computed probability above 1", "S-SoftReq-Check", "wrong = 2\nrequire[wrong] True"),
+    run_mistake("mutated scalar", "S-Mutate", "wrong = 3\nmutate wrong"),
+    run_mistake("negative scale of a mutation", "S-Mutate", "mutate ego by (-1)"),
+    run_mistake("endless recursion", "E-Call", "def wrong(a): return wrong(a + 1)\nwrong(0)"),
+    run_mistake("negative radius", "E-Call-Host", "wrong = CircularRegion((1, 2), -1)"),
+    run_mistake("polygon with two corners", "E-Call-Host", "wrong = PolygonalRegion([(1, 2), (3, 4)])"),
+    run_mistake("sequence that is too long", "E-Call-Host", "wrong = list(range(10 ** 12))"),
     Mistake("workspace that is no region", "workspace = 3", RunError, "T-Check", last=True),
 )
 
@@ -299,16 +299,16 @@ def right(settings: ProgramSettings) -> ProgramSettings:
 def ill_formed(choices: Choices, settings: ProgramSettings = DEFAULT) -> IllFormed:
     """A program with one mistake, out of the table or by a change to one of its statements."""
     program = generate(choices, right(settings))
-    options: list[tuple[int, Form]] = [(8, planted_somewhere), (1, unclosed), (1, doubled), (1, without_ego)]
+    options: list[tuple[int, Form]] = [(8, planted_somewhere), (1, omit_closing_bracket), (1, repeat_specifier), (1, without_ego)]
     return choices.weighted(options)(choices, program) or planted_somewhere(choices, program)
 
 
 def planted_somewhere(choices: Choices, program: Program) -> IllFormed:
     """One of the mistakes of the table."""
-    return planted(choices, program, choices.pick(MISTAKES))
+    return plant_mistake(choices, program, choices.pick(MISTAKES))
 
 
-def planted(choices: Choices, program: Program, mistake: Mistake) -> IllFormed:
+def plant_mistake(choices: Choices, program: Program, mistake: Mistake) -> IllFormed:
     """The mistake at some place of the top level, perhaps in a block or function that is run there."""
     texts = [to_source((statement,)) for statement in program.statements]
     ego = place_of_ego(program)
@@ -318,11 +318,11 @@ def planted(choices: Choices, program: Program, mistake: Mistake) -> IllFormed:
         place = choices.integer(0, ego)
     else:
         place = choices.integer(ego + 1, len(texts))
-    texts.insert(place, housed(choices, mistake))
+    texts.insert(place, mistake_lines(choices, mistake))
     return IllFormed(mistake.name, "".join(texts), mistake.error, mistake.rule)
 
 
-def housed(choices: Choices, mistake: Mistake) -> str:
+def mistake_lines(choices: Choices, mistake: Mistake) -> str:
     """The lines of the mistake; those that fail at run time may also stand in a block or in a function."""
     lines = mistake.lines + "\n"
     if not issubclass(mistake.error, RunError) or mistake.last or "class " in lines or "scenario " in lines:
@@ -346,7 +346,7 @@ def assigns_ego(statement: Statement) -> bool:
     return isinstance(statement, s.Assignment) and any(isinstance(target, Name) and target.name == "ego" for target in statement.targets)
 
 
-def unclosed(choices: Choices, program: Program) -> IllFormed | None:
+def omit_closing_bracket(choices: Choices, program: Program) -> IllFormed | None:
     """The program without one of its closing brackets."""
     text = program.text
     places = [i for i, character in enumerate(text) if character in ")]"]
@@ -356,7 +356,7 @@ def unclosed(choices: Choices, program: Program) -> IllFormed | None:
     return IllFormed("bracket left out", text[:place] + text[place + 1 :], ParseError, "")
 
 
-def doubled(choices: Choices, program: Program) -> IllFormed | None:
+def repeat_specifier(choices: Choices, program: Program) -> IllFormed | None:
     """The program with a specifier of one of its objects given twice."""
     found = [i for i, x in enumerate(program.statements) if isinstance(x, s.Assignment) and isinstance(x.value, ObjectDefinition)]
     if not found:

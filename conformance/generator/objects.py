@@ -10,7 +10,7 @@ from ...semantics.syntax import specifiers as q
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.python_expressions import Attribute, Name
 from . import expressions
-from .ast_builders import attribute, call, constant, degrees, held, name, new_object, number, operation, pair
+from .ast_builders import as_whole_value, attribute, call, constant_literal, degrees, name, new_object, number_literal, operation, pair
 from .program_draft import Class, Draft, Property
 
 Side = Literal["left", "right", "ahead", "behind"]
@@ -29,14 +29,14 @@ def random_specifiers(draft: Draft, class_: Class, depth: int) -> list[Specifier
     place = position(draft, depth)
     found = [place.specifier] if place.specifier is not None else []
     if draft.choices.chance(0.6):
-        found.append(facing(draft, depth, free=not place.needs_heading))
+        found.append(heading_specifier(draft, depth, free=not place.needs_heading))
     found += properties(draft, class_, depth)
-    if class_.is_object and draft.choices.chance(overlapping(draft, place.specifier)):
+    if class_.is_object and draft.choices.chance(overlap_chance(draft, place.specifier)):
         found.append(q.WithSpecifier(property="allowCollisions", value=expressions.flag(draft, 1)))
     return draft.choices.some(found, len(found), len(found)) if draft.choices.chance(0.5) else found
 
 
-def overlapping(draft: Draft, place: Specifier | None) -> float:
+def overlap_chance(draft: Draft, place: Specifier | None) -> float:
     """How often an object with this position may overlap others: where it would as a rule, nearly always."""
     match place:
         case None | q.AtSpecifier(vector=Attribute()) | q.BesideSpecifier(gap=None):
@@ -64,19 +64,19 @@ def position(draft: Draft, depth: int) -> PlaceSpecifier:
         forms += [(5, "visible")] if draft.allows("visibility") and draft.has_ego else []
     match draft.choices.weighted(forms):
         case "at":
-            return PlaceSpecifier(q.AtSpecifier(vector=expressions.vector(draft, reach, depth)))
+            return PlaceSpecifier(q.AtSpecifier(vector=expressions.vector_expression(draft, reach, depth)))
         case "beside a vector":
-            return PlaceSpecifier(beside(draft, expressions.vector(draft, reach, 1)), needs_heading=True)
+            return PlaceSpecifier(beside_specifier(draft, expressions.vector_expression(draft, reach, 1)), needs_heading=True)
         case "beside":
-            return PlaceSpecifier(beside(draft, name(draft.choices.pick(draft.known("object", "point")).name)))
+            return PlaceSpecifier(beside_specifier(draft, name(draft.choices.pick(draft.known("object", "point")).name)))
         case "offset by":
-            return PlaceSpecifier(q.OffsetBySpecifier(offset=expressions.vector(draft, reach / 2, depth)))
+            return PlaceSpecifier(q.OffsetBySpecifier(offset=expressions.vector_expression(draft, reach / 2, depth)))
         case "offset along":
-            return PlaceSpecifier(q.OffsetAlongSpecifier(direction=expressions.direction(draft, 1), offset=expressions.vector(draft, reach / 2, 1)))
+            return PlaceSpecifier(q.OffsetAlongSpecifier(direction=expressions.direction(draft, 1), offset=expressions.vector_expression(draft, reach / 2, 1)))
         case "beyond" | "beyond from" as form:
             return PlaceSpecifier(beyond(draft, from_ego=form == "beyond"))
         case "following" | "following from" as form:
-            return PlaceSpecifier(following(draft, from_ego=form == "following"))
+            return PlaceSpecifier(following_specifier(draft, from_ego=form == "following"))
         case "in":
             return PlaceSpecifier(q.InSpecifier(keyword=draft.choices.pick(["in", "on"]), region=expressions.region_argument(draft)))
         case "visible":
@@ -90,7 +90,7 @@ def can_sample(draft: Draft) -> bool:
     return draft.may_draw() and not draft.settings.finite
 
 
-def beside(draft: Draft, reference: Expression) -> q.BesideSpecifier:
+def beside_specifier(draft: Draft, reference: Expression) -> q.BesideSpecifier:
     """`left of X [by S]`, ...; without a distance two objects touch."""
     gap = None if draft.choices.chance(0.1) else expressions.scalar(draft, 0.25, 5, 1)
     return q.BesideSpecifier(side=draft.choices.pick(SIDES), reference=reference, gap=gap)
@@ -103,7 +103,7 @@ def beyond(draft: Draft, *, from_ego: bool) -> q.BeyondSpecifier:
     return q.BeyondSpecifier(vector=vector, offset=offset, origin=None if from_ego else expressions.vector_argument(draft, 1))
 
 
-def following(draft: Draft, *, from_ego: bool) -> q.FollowingSpecifier:
+def following_specifier(draft: Draft, *, from_ego: bool) -> q.FollowingSpecifier:
     """`following F [from V] for S`."""
     field, distance = name(draft.choices.pick(draft.known("field")).name), expressions.scalar(draft, 3, 12, 1)
     return q.FollowingSpecifier(field=field, distance=distance, origin=None if from_ego else expressions.vector_argument(draft, 1))
@@ -114,7 +114,7 @@ def visible(draft: Draft) -> q.VisibleSpecifier:
     return q.VisibleSpecifier(viewer=None if draft.choices.chance(0.5) else name(draft.choices.pick(draft.known("object", "point")).name))
 
 
-def facing(draft: Draft, depth: int, *, free: bool) -> Specifier:
+def heading_specifier(draft: Draft, depth: int, *, free: bool) -> Specifier:
     """A heading specifier; one that depends on the position only if `free`."""
     forms: list[tuple[int, str]] = [(4, "facing"), (1, "with")]
     if free:
@@ -164,16 +164,16 @@ def properties(draft: Draft, class_: Class, depth: int) -> list[Specifier]:
     chosen = draft.choices.some(list(ranges), 0, 2)
     found: list[Specifier] = [q.WithSpecifier(property=each, value=expressions.scalar(draft, *ranges[each], depth)) for each in chosen]
     if draft.choices.chance(0.1):
-        found.append(q.WithSpecifier(property="tag", value=constant(draft.choices.pick(["red", "blue"]))))
+        found.append(q.WithSpecifier(property="tag", value=constant_literal(draft.choices.pick(["red", "blue"]))))
     if class_.is_object and draft.allows("visibility") and draft.choices.chance(0.3):
-        found.append(seeing(draft))
+        found.append(visibility_specifier(draft))
     if class_.is_object and draft.allows("workspace") and draft.known("region") and draft.choices.chance(0.3):
-        wide = call("CircularRegion", expressions.vector_literal(draft, 2), number(2 * draft.settings.area))
+        wide = call("CircularRegion", expressions.vector_literal(draft, 2), number_literal(2 * draft.settings.area))
         found.append(q.WithSpecifier(property="regionContainedIn", value=wide))
     return found
 
 
-def seeing(draft: Draft) -> Specifier:
+def visibility_specifier(draft: Draft) -> Specifier:
     """How far and how wide an object sees, or whether it must be seen."""
     match draft.choices.integer(0, 2):
         case 0:
@@ -199,7 +199,7 @@ def definition(draft: Draft, depth: int) -> Expression:
         class_ = OBJECT
     found = random_specifiers(draft, class_, depth)
     if draft.settings.finite and draft.allows("mutate"):
-        found += [q.WithSpecifier(property=each, value=constant(0)) for each in ("positionStdDev", "headingStdDev")]
+        found += [q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")]
     draft.objects += draft.repeats
     return new_object(class_.name, found) if found else name(class_.name)
 
@@ -222,12 +222,12 @@ def class_definition(draft: Draft) -> tuple[s.ClassDefinition, Class]:
     return s.ClassDefinition(name=class_.name, superclasses=superclasses, properties=tuple(made)), class_
 
 
-def derived(draft: Draft) -> Expression:
+def derived_default(draft: Draft) -> Expression:
     """What follows from where an object stands and how large it is; nothing else depends on it."""
     position, size = attribute(name("self"), "position"), attribute(name("self"), draft.choices.pick(["width", "length"]))
     match draft.choices.integer(0, 2):
         case 0:
-            return operation(size, "*", number(2))
+            return operation(size, "*", number_literal(2))
         case 1:
             return attribute(position, draft.choices.pick(["x", "y"]))
         case _:
@@ -245,11 +245,11 @@ def new_default(draft: Draft, properties: list[Property], made: list[s.PropertyD
             free = [known for known in properties if known.name not in done]
             each = draft.choices.pick(free) if free else Property(draft.fresh("p"), 0, 4)
         case "heading":
-            return None if "heading" in done else s.PropertyDefault(name="heading", value=held(expressions.heading(draft, 1)))
+            return None if "heading" in done else s.PropertyDefault(name="heading", value=as_whole_value(expressions.heading(draft, 1)))
         case "derived":
-            return s.PropertyDefault(name=draft.fresh("d"), value=held(derived(draft)))
+            return s.PropertyDefault(name=draft.fresh("d"), value=as_whole_value(derived_default(draft)))
         case "flag":
-            return None if "tag" in done else s.PropertyDefault(name="tag", value=constant("plain"))
+            return None if "tag" in done else s.PropertyDefault(name="tag", value=constant_literal("plain"))
         case _:
             each = Property(draft.fresh("p"), *draft.choices.pick([(0, 4), (1, 2), (-5, 5)]))
     if each.name in done:
@@ -259,5 +259,5 @@ def new_default(draft: Draft, properties: list[Property], made: list[s.PropertyD
     draft.own = tuple(known for known in properties[:rank])
     if rank == len(properties):
         properties.append(each)
-    return s.PropertyDefault(name=each.name, value=held(expressions.scalar(draft, each.low, each.high, 2)))
+    return s.PropertyDefault(name=each.name, value=as_whole_value(expressions.scalar(draft, each.low, each.high, 2)))
 

@@ -36,7 +36,7 @@ def top_level(draft: Draft) -> Iterator[Statement]:
     yield from statements.ego(draft)
     for _ in range(count - before):
         yield from statements.statement(draft)
-    yield from statements.closing(draft)
+    yield from statements.closing_param(draft)
 
 
 def random_program(seed: int, index: int, settings: ProgramSettings = DEFAULT) -> Program:

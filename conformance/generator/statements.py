@@ -14,13 +14,13 @@ from .ast_builders import (
     assign,
     attribute,
     call,
-    clamped,
+    clamp_call,
     comparison,
-    constant,
+    constant_literal,
     give_back,
     name,
     new_object,
-    number,
+    number_literal,
     operation,
     pair,
     parameter,
@@ -32,7 +32,7 @@ FunctionForm = Callable[[Draft], tuple[Block, Variable]]
 
 def definition(draft: Draft) -> tuple[Block, Variable]:
     """A function of one of several forms, and the variable that is bound to it."""
-    forms: list[tuple[int, FunctionForm]] = [(4, plain), (2, with_default), (2, spreading), (1, short), (2, closure), (1, counter)]
+    forms: list[tuple[int, FunctionForm]] = [(4, scalar_function_definition), (2, with_default), (2, variadic_definition), (1, lambda_definition), (2, closure), (1, counter)]
     if objects.may_create(draft):
         forms.append((3, maker))
     return draft.choices.weighted(forms)(draft)
@@ -47,13 +47,13 @@ def function_body(draft: Draft, low: float, high: float) -> Block:
         found.append(assign(local, expressions.scalar(draft, low, high, 2)))
         draft.define(Variable(local, "scalar", low, high))
     if draft.choices.chance(0.3):
-        found.append(s.If(test=expressions.settled(draft, 1), then=(give_back(expressions.scalar(draft, low, high, 1)),)))
+        found.append(s.If(test=expressions.nonrandom_condition(draft, 1), then=(give_back(expressions.scalar(draft, low, high, 1)),)))
     found.append(give_back(expressions.scalar(draft, low, high, 2)))
     draft.inside = before
     return tuple(found)
 
 
-def plain(draft: Draft) -> tuple[Block, Variable]:
+def scalar_function_definition(draft: Draft) -> tuple[Block, Variable]:
     """`def f(a, b): return E`."""
     takes = tuple(draft.choices.pick([(0.0, 1.0), (-5.0, 5.0), (1.0, 3.0)]) for _ in range(draft.choices.integer(1, 2)))
     low, high = draft.choices.pick([(0.0, 4.0), (-5.0, 5.0), (1.0, 2.0)])
@@ -81,24 +81,24 @@ def with_default(draft: Draft) -> tuple[Block, Variable]:
     return (node,), Variable(function, "function", 0, 2, takes=((0.0, 1.0), (0.0, 1.0)), optional=1, cost=cost)
 
 
-def spreading(draft: Draft) -> tuple[Block, Variable]:
+def variadic_definition(draft: Draft) -> tuple[Block, Variable]:
     """`def f(a, *rest, **named): return a + sum(rest) + ...`."""
     function, first = draft.fresh("g"), draft.fresh("a")
     result = operation(name(first), "+", call("sum", name("rest")))
     named = draft.choices.chance(0.5)
     if named:
-        result = operation(result, "+", call(attribute(name("named"), "get"), constant("extra"), number(0)))
+        result = operation(result, "+", call(attribute(name("named"), "get"), constant_literal("extra"), number_literal(0)))
     parameters = [parameter(first), parameter("rest", kind="*args")]
     if draft.choices.chance(0.3):
         parameters.append(parameter("more", expressions.scalar_literal(draft, 0, 1), kind="keyword only"))
         result = operation(result, "+", name("more"))
     if named:
         parameters.append(parameter("named", kind="**kwargs"))
-    node = s.FunctionDefinition(name=function, parameters=tuple(parameters), body=(give_back(clamped(result, 0, 5)),))
+    node = s.FunctionDefinition(name=function, parameters=tuple(parameters), body=(give_back(clamp_call(result, 0, 5)),))
     return (node,), Variable(function, "function", 0, 5, takes=((0.0, 1.0),), spreads=True, named=named)
 
 
-def short(draft: Draft) -> tuple[Block, Variable]:
+def lambda_definition(draft: Draft) -> tuple[Block, Variable]:
     """`f = lambda a: E`."""
     function, argument = draft.fresh("g"), draft.fresh("a")
     with draft.definition():
@@ -115,7 +115,7 @@ def closure(draft: Draft) -> tuple[Block, Variable]:
     argument = expressions.scalar(draft, 0, 2, 2)
     with draft.definition():
         draft.define(Variable(outside, "scalar", 0, 2))
-        (inner, *_), variable = plain(draft)
+        (inner, *_), variable = scalar_function_definition(draft)
         cost = variable.cost
     node = s.FunctionDefinition(name=outer, parameters=(parameter(outside),), body=(inner, give_back(name(variable.name))))
     function = draft.fresh("g")
@@ -126,11 +126,11 @@ def closure(draft: Draft) -> tuple[Block, Variable]:
 def counter(draft: Draft) -> tuple[Block, Variable]:
     """A function with a state of its own: `nonlocal`."""
     outer, inner, count = draft.fresh("g"), draft.fresh("g"), draft.fresh("n")
-    step = s.AugmentedAssignment(target=name(count), operator="+", value=number(1))
-    result = give_back(call("min", operation(name(count), "*", name("a")), number(5)))
+    step = s.AugmentedAssignment(target=name(count), operator="+", value=number_literal(1))
+    result = give_back(call("min", operation(name(count), "*", name("a")), number_literal(5)))
     body_ = (s.Nonlocal(names=(count,)), step, result)
     nested = s.FunctionDefinition(name=inner, parameters=(parameter("a"),), body=body_)
-    node = s.FunctionDefinition(name=outer, parameters=(), body=(assign(count, number(0)), nested, give_back(name(inner))))
+    node = s.FunctionDefinition(name=outer, parameters=(), body=(assign(count, number_literal(0)), nested, give_back(name(inner))))
     function = draft.fresh("g")
     return (node, assign(function, call(outer))), Variable(function, "function", 0, 5, takes=((0.0, 2.0),))
 
@@ -187,7 +187,7 @@ def again(draft: Draft) -> Block | None:
     return (assign(target, call("resample", name(chosen.name))),)
 
 
-def unpacking(draft: Draft) -> Block:
+def multiple_assignment(draft: Draft) -> Block:
     """`a, b = E, E`, or `a = b = E`."""
     low, high = draft.choices.pick(INTERVALS)
     first, second = draft.fresh("x"), draft.fresh("x")
@@ -208,10 +208,10 @@ def heading(draft: Draft) -> Block:
     return (assign(draft.define(Variable(draft.fresh("h"), "heading")).name, value),)
 
 
-def vector(draft: Draft) -> Block:
+def vector_assignment(draft: Draft) -> Block:
     """`v = V`."""
     reach = draft.settings.area * draft.choices.pick([0.5, 1, 0.25])
-    value = expressions.vector(draft, reach, draft.settings.max_depth)
+    value = expressions.vector_expression(draft, reach, draft.settings.max_depth)
     return (assign(draft.define(Variable(draft.fresh("v"), "vector", -reach, reach)).name, value),)
 
 
@@ -239,7 +239,7 @@ def field(draft: Draft) -> Block:
     return (assign(draft.define(expressions.defined_field(draft)).name, value),)
 
 
-def thing(draft: Draft) -> Block | None:
+def object_statement(draft: Draft) -> Block | None:
     """`o = Object ...`, or an object without a name."""
     if not objects.may_create(draft):
         return None
@@ -274,17 +274,17 @@ def chosen_object(draft: Draft) -> Block | None:
     return (assign(draft.define(Variable(draft.fresh("any"), "object", ways=2)).name, value),)
 
 
-def listed(draft: Draft) -> Block:
+def list_assignment(draft: Draft) -> Block:
     """`xs = [E, ...]`, a slice or a sorted copy of it."""
     low, high = draft.choices.pick(INTERVALS[:4])
     size = draft.choices.integer(1, draft.settings.max_loop)
     value: Expression = p.ListDisplay(items=tuple(expressions.scalar(draft, low, high, 2) for _ in range(size)))
     if draft.choices.chance(0.2):
-        value = p.Subscript(value=value, index=p.Slice(step=number(-1)))
+        value = p.Subscript(value=value, index=p.Slice(step=number_literal(-1)))
     return (assign(draft.define(Variable(draft.fresh("xs"), "list", low, high, size=size, most=size)).name, value),)
 
 
-def delayed(draft: Draft) -> Block | None:
+def delayed_assignment(draft: Draft) -> Block | None:
     """`w = H relative to F`, or a list of such values, and perhaps an object that it waits for; a field, where there is none."""
     if not draft.allows("fields"):
         return None
@@ -294,11 +294,11 @@ def delayed(draft: Draft) -> Block | None:
     if draft.choices.chance(0.4):
         value = operation(value, draft.choices.pick(["+", "-"]), expressions.scalar(draft, -1, 1, 1))
     if draft.choices.chance(0.2):
-        value = p.Subscript(value=p.ListDisplay(items=(value, constant(0))), index=constant(0))
+        value = p.Subscript(value=p.ListDisplay(items=(value, constant_literal(0))), index=constant_literal(0))
     waiting = assign(draft.define(Variable(draft.fresh("w"), "waiting")).name, value)
     if not objects.may_create(draft) or draft.choices.chance(0.3):
         return (waiting,)
-    return (waiting, *(thing(draft) or ()))
+    return (waiting, *(object_statement(draft) or ()))
 
 
 def random_list(draft: Draft) -> Block | None:
@@ -333,7 +333,7 @@ def random_pair(draft: Draft) -> Block | None:
     return (s.Assignment(targets=(target,), value=call("Uniform", *pairs)),)
 
 
-def appended(draft: Draft) -> Block | None:
+def append_statement(draft: Draft) -> Block | None:
     """`xs.append(E)`."""
     known = draft.known("list")
     if not known or draft.inside == "function" or draft.repeats > 1:
@@ -347,11 +347,11 @@ def appended(draft: Draft) -> Block | None:
 
 def dictionary(draft: Draft) -> Block:
     """`d = {'a': E, 'b': E}`."""
-    items = tuple((constant(key), expressions.scalar(draft, 0, 4, 2)) for key in "ab")
+    items = tuple((constant_literal(key), expressions.scalar(draft, 0, 4, 2)) for key in "ab")
     return (assign(draft.define(Variable(draft.fresh("d"), "dictionary")).name, p.DictDisplay(items=items)),)
 
 
-def changed(draft: Draft) -> Block | None:
+def variable_reassignment(draft: Draft) -> Block | None:
     """A variable assigned again, with the same kind of value."""
     known = [v for v in draft.known("scalar") if v.random and v.low > -FAR]
     if not known or draft.inside == "function":
@@ -367,7 +367,7 @@ def changed(draft: Draft) -> Block | None:
     return (assign(chosen.name, value),)
 
 
-def moved(draft: Draft) -> Block | None:
+def property_assignment(draft: Draft) -> Block | None:
     """`o.p = E`: a property of an object assigned after its creation."""
     known = [v for v in draft.known("object") if not v.ways]
     if not known:
@@ -385,7 +385,7 @@ def soft_require(draft: Draft) -> Block | None:
     """`require[p] B`."""
     if not draft.afford(2):
         return None
-    return (s.SoftRequire(probability=number(draft.choices.pick(CHANCES)), condition=expressions.condition(draft, 1)),)
+    return (s.SoftRequire(probability=number_literal(draft.choices.pick(CHANCES)), condition=expressions.condition(draft, 1)),)
 
 
 def mutate(draft: Draft) -> Block | None:
@@ -398,15 +398,15 @@ def mutate(draft: Draft) -> Block | None:
     return (s.Mutate(objects=tuple(name(v.name) for v in chosen), scale=scale),)
 
 
-def printed(draft: Draft) -> Block | None:
+def traceless_statement(draft: Draft) -> Block | None:
     """`assert`, `pass`, `print`: statements that leave no trace in the scene."""
     match draft.choices.integer(0, 2):
         case 0:
             return (s.Pass(),)
         case 1:
-            return (alone(call("print", constant("here"), expressions.scalar_literal(draft, 0, 5))),)
+            return (alone(call("print", constant_literal("here"), expressions.scalar_literal(draft, 0, 5))),)
         case _:
-            return (s.Assert(test=p.Comparison(left=number(1), operators=("<",), operands=(number(2),)), message=constant("never")),)
+            return (s.Assert(test=p.Comparison(left=number_literal(1), operators=("<",), operands=(number_literal(2),)), message=constant_literal("never")),)
 
 
 def param(draft: Draft) -> Block:
@@ -427,7 +427,7 @@ def boolean_value(draft: Draft) -> Expression:
 
 def vector_value(draft: Draft) -> Expression:
     """A vector for `param`."""
-    return expressions.vector(draft, draft.settings.area, 2)
+    return expressions.vector_expression(draft, draft.settings.area, 2)
 
 
 def text_value(draft: Draft) -> Expression:
@@ -436,7 +436,7 @@ def text_value(draft: Draft) -> Expression:
     return p.FString(parts=("at ", p.FormattedValue(value=expressions.scalar(draft, 0, 4, 1), format=layout), "!"))
 
 
-def imported(draft: Draft) -> Block:
+def math_import(draft: Draft) -> Block:
     """`import math` and a call of it."""
     target = draft.fresh("x")
     value = call(attribute(name("math"), draft.choices.pick(["floor", "sqrt"])), expressions.scalar(draft, 0, 4, 1))
@@ -463,9 +463,9 @@ def function(draft: Draft) -> Block:
 def workspace(draft: Draft) -> Block:
     """`workspace = Workspace(R)`, larger than where objects stand as a rule."""
     reach = draft.settings.area
-    sides = number(draft.choices.pick([3 * reach, 4 * reach]))
-    disc = call("CircularRegion", expressions.vector_literal(draft, 2), number(2 * reach))
-    square = call("RectangularRegion", expressions.vector_literal(draft, 2), number(0), sides, sides)
+    sides = number_literal(draft.choices.pick([3 * reach, 4 * reach]))
+    disc = call("CircularRegion", expressions.vector_literal(draft, 2), number_literal(2 * reach))
+    square = call("RectangularRegion", expressions.vector_literal(draft, 2), number_literal(0), sides, sides)
     shape = draft.choices.pick([disc, square])
     return (assign("workspace", call("Workspace", shape)),)
 
@@ -477,44 +477,44 @@ def ego(draft: Draft) -> Block:
         value = objects.definition(draft, 2)
     else:
         draft.objects += 1
-        found = [q.AtSpecifier(vector=expressions.vector(draft, reach / 2, 1))]
-        found += [q.WithSpecifier(property=each, value=constant(0)) for each in ("positionStdDev", "headingStdDev")] if draft.settings.finite else []
+        found = [q.AtSpecifier(vector=expressions.vector_expression(draft, reach / 2, 1))]
+        found += [q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")] if draft.settings.finite else []
         value = new_object("Object", found)
     draft.has_ego = True
     draft.define(Variable("ego", "object"))
     return (assign("ego", value),)
 
 
-def closing(draft: Draft) -> Block:
+def closing_param(draft: Draft) -> Block:
     """`param` with the variables that a scene would not show otherwise."""
     known = [v for v in draft.variables if v.kind in ("scalar", "heading", "vector", "boolean", "list", "dictionary")]
     chosen = draft.choices.some(known, 0, 4) if known else []
     made = [s.ParamAssignment(name=f"_{v.name}".strip("_"), value=name(v.name)) for v in chosen]
     if draft.objects > 1 and draft.choices.chance(0.3):
-        made.append(s.ParamAssignment(name="sum", value=operation(attribute(name("ego"), "width"), "+", number(1))))
+        made.append(s.ParamAssignment(name="sum", value=operation(attribute(name("ego"), "width"), "+", number_literal(1))))
     return (s.Param(assignments=tuple(made)),) if made else ()
 
 
 FORMS: tuple[tuple[int, str, Form], ...] = (
     (6, "", scalar),
     (2, "resample", again),
-    (2, "", vector),
+    (2, "", vector_assignment),
     (2, "", heading),
     (1, "", boolean),
     (2, "", param),
-    (1, "", changed),
-    (1, "", moved),
-    (1, "", printed),
-    (7, "", thing),
-    (1, "containers", unpacking),
-    (2, "containers", listed),
-    (1, "containers", appended),
+    (1, "", variable_reassignment),
+    (1, "", property_assignment),
+    (1, "", traceless_statement),
+    (7, "", object_statement),
+    (1, "containers", multiple_assignment),
+    (2, "containers", list_assignment),
+    (1, "containers", append_statement),
     (1, "containers", dictionary),
-    (1, "containers", imported),
+    (1, "containers", math_import),
     (3, "points", point),
     (3, "regions", region),
     (3, "fields", field),
-    (12, "waiting", delayed),
+    (12, "waiting", delayed_assignment),
     (5, "random_length", random_list),
     (2, "random_length", random_pair),
     (3, "choice_of_objects", chosen_object),
@@ -552,7 +552,7 @@ def statement(draft: Draft) -> Block:
     if draft.allows("branches"):
         options += [(1, branch), (1, attempt)]
     if draft.allows("loops"):
-        options += [(2, counted), (1, waiting), (1, accumulating), (1, comprehended), (1, row)]
+        options += [(2, range_loop), (1, while_loop), (1, sum_loop), (1, list_comprehension), (1, row)]
     return draft.choices.weighted(options)(draft) or simple(draft)
 
 
@@ -565,15 +565,15 @@ def branch(draft: Draft) -> Block:
         with draft.block():
             otherwise = block_body(draft, 1)
         if draft.choices.chance(0.3):
-            otherwise = (s.If(test=expressions.settled(draft, 1), then=otherwise, otherwise=(s.Pass(),)),)
-    return (s.If(test=expressions.settled(draft, 2), then=then, otherwise=otherwise),)
+            otherwise = (s.If(test=expressions.nonrandom_condition(draft, 1), then=otherwise, otherwise=(s.Pass(),)),)
+    return (s.If(test=expressions.nonrandom_condition(draft, 2), then=then, otherwise=otherwise),)
 
 
 def attempt(draft: Draft) -> Block:
     """`try: ... except ...: ... finally: ...`; the exception is not random."""
     target = draft.fresh("x")
     first, second = expressions.scalar(draft, 0, 4, 1), expressions.scalar(draft, 0, 4, 1)
-    index = number(draft.choices.integer(0, 2))
+    index = number_literal(draft.choices.integer(0, 2))
     risky = assign(target, p.Subscript(value=p.ListDisplay(items=(first,)), index=index))
     handler = s.Handler(type=name("IndexError"), name=draft.choices.pick([None, "problem"]), body=(assign(target, second),))
     final: Block = (s.Pass(),) if draft.choices.chance(0.3) else ()
@@ -581,7 +581,7 @@ def attempt(draft: Draft) -> Block:
     return (s.Try(body=(risky,), handlers=(handler,), final=final),)
 
 
-def counted(draft: Draft) -> Block:
+def range_loop(draft: Draft) -> Block:
     """`for i in range(n): ...`, perhaps with `break` or `continue`."""
     turns, index = draft.choices.integer(1, draft.settings.max_loop), draft.fresh("i")
     with draft.block(turns):
@@ -589,25 +589,25 @@ def counted(draft: Draft) -> Block:
         found = list(block_body(draft, draft.choices.integer(1, 2)))
     if draft.choices.chance(0.3):
         leave = draft.choices.pick([s.Break(), s.Continue()])
-        test = comparison(name(index), "==", number(draft.choices.integer(0, turns)))
+        test = comparison(name(index), "==", number_literal(draft.choices.integer(0, turns)))
         found.insert(draft.choices.integer(0, 1), s.If(test=test, then=(leave,)))
     otherwise: Block = (s.Pass(),) if draft.choices.chance(0.1) else ()
-    return (s.For(target=name(index), iterable=call("range", number(turns)), body=tuple(found), otherwise=otherwise),)
+    return (s.For(target=name(index), iterable=call("range", number_literal(turns)), body=tuple(found), otherwise=otherwise),)
 
 
-def waiting(draft: Draft) -> Block:
+def while_loop(draft: Draft) -> Block:
     """`n = 0`, `while n < k: ...; n += 1`."""
     turns, count = draft.choices.integer(1, draft.settings.max_loop), draft.fresh("n")
     with draft.block(turns):
         draft.define(Variable(count, "scalar", 0, turns, random=False))
         found = block_body(draft, 1)
-    step = s.AugmentedAssignment(target=name(count), operator="+", value=number(1))
-    loop = s.While(test=comparison(name(count), "<", number(turns)), body=(*found, step))
+    step = s.AugmentedAssignment(target=name(count), operator="+", value=number_literal(1))
+    loop = s.While(test=comparison(name(count), "<", number_literal(turns)), body=(*found, step))
     draft.define(Variable(count, "scalar", 0, turns, random=False))
-    return (assign(count, number(0)), loop)
+    return (assign(count, number_literal(0)), loop)
 
 
-def accumulating(draft: Draft) -> Block:
+def sum_loop(draft: Draft) -> Block:
     """`total = 0`, `for each in [...]: total += E`."""
     total, each = draft.fresh("x"), draft.fresh("i")
     elements = tuple(expressions.scalar(draft, 0, 1, 1) for _ in range(draft.choices.integer(1, draft.settings.max_loop)))
@@ -616,31 +616,31 @@ def accumulating(draft: Draft) -> Block:
         value = operation(name(each), "*", expressions.scalar(draft, 0, 1, 1))
     step = s.AugmentedAssignment(target=name(total), operator="+", value=value)
     draft.define(Variable(total, "scalar", 0, len(elements)))
-    return (assign(total, number(0)), s.For(target=name(each), iterable=p.ListDisplay(items=elements), body=(step,)))
+    return (assign(total, number_literal(0)), s.For(target=name(each), iterable=p.ListDisplay(items=elements), body=(step,)))
 
 
-def comprehended(draft: Draft) -> Block:
+def list_comprehension(draft: Draft) -> Block:
     """`xs = [E for i in range(n)]`, with a condition that is not random or without, or from pairs of `enumerate`."""
     turns, index = draft.choices.integer(1, draft.settings.max_loop), draft.fresh("i")
     low, high = draft.choices.pick(INTERVALS[:4])
-    conditions = (comparison(name(index), ">=", number(draft.choices.integer(0, turns - 1))),) if draft.choices.chance(0.3) else ()
+    conditions = (comparison(name(index), ">=", number_literal(draft.choices.integer(0, turns - 1))),) if draft.choices.chance(0.3) else ()
     size = turns if not conditions else 1
     with draft.block(turns):
         draft.define(Variable(index, "scalar", 0, turns - 1, random=False))
         element = expressions.scalar(draft, low, high, 2)
-    clause = p.ComprehensionClause(target=name(index), iterable=call("range", number(turns)), conditions=conditions)
+    clause = p.ComprehensionClause(target=name(index), iterable=call("range", number_literal(turns)), conditions=conditions)
     target = draft.define(Variable(draft.fresh("xs"), "list", low, high, size=size, most=turns)).name
     value = p.Comprehension(kind="list", element=element, clauses=(clause,))
     if draft.choices.chance(0.2):
-        return (assign(target, value), *unpacked(draft, target))
+        return (assign(target, value), *enumerate_loop(draft, target))
     return (assign(target, value),)
 
 
-def unpacked(draft: Draft, xs: str) -> Block:
+def enumerate_loop(draft: Draft, xs: str) -> Block:
     """`for i, x in enumerate(xs): ...` over a list: the pairs are taken apart."""
     total = draft.fresh("x")
     target = p.TupleDisplay(items=(name("place"), name("entry")))
-    step = assign(total, clamped(operation(name("entry"), "-", name("place")), -5, 5))
+    step = assign(total, clamp_call(operation(name("entry"), "-", name("place")), -5, 5))
     draft.define(Variable(total, "scalar", -5, 5))
     return (s.For(target=target, iterable=call("enumerate", name(xs)), body=(step,)),)
 
@@ -652,21 +652,21 @@ def row(draft: Draft) -> Block | None:
         if not objects.may_create(draft):
             return None
         draft.define(Variable(index, "scalar", 0, count - 1, random=False))
-        across = operation(operation(name(index), "*", number(5)), "+", expressions.scalar_literal(draft, -10, 5))
+        across = operation(operation(name(index), "*", number_literal(5)), "+", expressions.scalar_literal(draft, -10, 5))
         place = q.AtSpecifier(vector=pair(across, expressions.scalar(draft, -10, 10, 1)))
         made = new_object("Object", [place, *frozen(draft)])
     draft.objects += count
-    clause = p.ComprehensionClause(target=name(index), iterable=call("range", number(count)))
+    clause = p.ComprehensionClause(target=name(index), iterable=call("range", number_literal(count)))
     things = draft.fresh("things")
     chosen = draft.fresh("o")
     draft.define(Variable(chosen, "object"))
-    take = assign(chosen, p.Subscript(value=name(things), index=number(draft.choices.integer(-1, count - 1))))
+    take = assign(chosen, p.Subscript(value=name(things), index=number_literal(draft.choices.integer(-1, count - 1))))
     return (assign(things, p.Comprehension(kind="list", element=made, clauses=(clause,))), take)
 
 
 def frozen(draft: Draft) -> list[q.WithSpecifier]:
     """No noise under `mutate` in finite programs; else, sometimes, a larger noise."""
     if draft.settings.finite:
-        return [q.WithSpecifier(property=each, value=constant(0)) for each in ("positionStdDev", "headingStdDev")] if draft.allows("mutate") else []
-    return [q.WithSpecifier(property="positionStdDev", value=number(2))] if draft.choices.chance(0.2) else []
+        return [q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")] if draft.allows("mutate") else []
+    return [q.WithSpecifier(property="positionStdDev", value=number_literal(2))] if draft.choices.chance(0.2) else []
 

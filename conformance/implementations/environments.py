@@ -47,7 +47,7 @@ def implementation(text: str, seconds: float = ANSWER_SECONDS, say: Callable[[st
     Raises `UsageError` for an unknown release, an empty command, and an environment that cannot be made.
     """
     if text.startswith("scenic=="):
-        return released(text.removeprefix("scenic=="), seconds, say)
+        return open_release(text.removeprefix("scenic=="), seconds, say)
     try:
         command = shlex.split(text)
     except ValueError as error:
@@ -69,7 +69,7 @@ def here(word: str) -> str:
     return str(Path(word).absolute()) if Path(word).is_file() else word
 
 
-def released(version: str, seconds: float, say: Callable[[str], None]) -> External:
+def open_release(version: str, seconds: float, say: Callable[[str], None]) -> External:
     """A release, in its own environment. Raises `UsageError`."""
     if version not in RELEASES:
         raise UsageError(f"there is no adapter for scenic {version}", hint=f"known releases are {', '.join(RELEASES)}")

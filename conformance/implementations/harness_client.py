@@ -108,7 +108,7 @@ class External:
                 left = deadline - time.monotonic()
                 if left <= 0:
                     raise ImplementationFault("timed out", f"the answers took more than {max(seconds, REQUEST_SECONDS):g} s")
-                answer = read(process.answer(min(seconds, left)), number)
+                answer = parse_answer(process.answer(min(seconds, left)), number)
                 done = answer["answer"] not in ("scene", "simulation")
                 yield answer
         finally:
@@ -116,8 +116,8 @@ class External:
                 self.close()
 
     def last(self, answers: Iterator[Answer], wanted: str) -> Answer:
-        """The only answer, of the wanted kind. Raises as `told` does."""
-        answer = told(next(answers))
+        """The only answer, of the wanted kind. Raises as `answer_or_raise` does."""
+        answer = answer_or_raise(next(answers))
         for _ in answers:
             pass
         if answer["answer"] != wanted:
@@ -168,7 +168,7 @@ class External:
         """The scenes or simulations that a request gives. Raises `ImplementationFault` for what is none, and for more or less than were asked for."""
         answers = self.ask(asked, self.seconds)
         for number, answer in enumerate(answers):
-            if told(answer)["answer"] == "done":
+            if answer_or_raise(answer)["answer"] == "done":
                 if number < count:
                     self.close()
                     raise ImplementationFault("garbled", f"done after {number} of {count} {key}s")
@@ -180,16 +180,16 @@ class External:
             yield answer[key]
 
 
-def read(line: bytes, number: int) -> Answer:
+def parse_answer(line: bytes, number: int) -> Answer:
     """An answer to the request of that number. Raises `ImplementationFault` for anything else."""
     try:
         answer = json.loads(line.decode(), parse_constant=not_json)
     except (ValueError, RecursionError) as error:
-        raise ImplementationFault("garbled", f"{shown(line)} is not JSON: {error}") from None
+        raise ImplementationFault("garbled", f"{line_excerpt(line)} is not JSON: {error}") from None
     if not isinstance(answer, dict) or not isinstance(answer.get("answer"), str):
-        raise ImplementationFault("garbled", f"{shown(line)} is not an answer")
+        raise ImplementationFault("garbled", f"{line_excerpt(line)} is not an answer")
     if answer.get("id") != number or isinstance(answer["id"], bool):
-        raise ImplementationFault("garbled", f"an answer to request {shown(repr(answer.get('id')).encode())}, and {number} was asked")
+        raise ImplementationFault("garbled", f"an answer to request {line_excerpt(repr(answer.get('id')).encode())}, and {number} was asked")
     return answer
 
 
@@ -198,13 +198,13 @@ def not_json(constant: str) -> object:
     raise ValueError(f"{constant} is no number of JSON")
 
 
-def shown(line: bytes) -> str:
+def line_excerpt(line: bytes) -> str:
     """The beginning of a line."""
     text = repr(line[:80].decode("utf-8", "replace").strip())
     return text if len(line) <= 80 else text + "..."
 
 
-def told(answer: Answer) -> Answer:
+def answer_or_raise(answer: Answer) -> Answer:
     """The answer itself, or what it says raised: `Refused`, `NeverAccepted`, `Unsupported`, or an `ImplementationFault` of the other side's own."""
     match answer["answer"]:
         case "error":
@@ -226,7 +226,7 @@ def told(answer: Answer) -> Answer:
         case "started" | "compiled" | "scene" | "simulation" | "done" | "stopped":
             return answer
         case other:
-            raise ImplementationFault("garbled", f"there is no answer {shown(other.encode())}")
+            raise ImplementationFault("garbled", f"there is no answer {line_excerpt(other.encode())}")
 
 
 def words(answer: Answer, key: str) -> str:

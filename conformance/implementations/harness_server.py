@@ -28,14 +28,14 @@ def serve(implementation: Implementation, requests: Iterable[str] | None = None,
         asked = json.loads(line)
         if asked["request"] == "compile":
             task = Task(asked["program"], asked["dialect"], asked["readings"], files=asked["files"], prune=asked.get("prune", True))
-        for answer in answered(implementation, asked, task):
+        for answer in answers_to(implementation, asked, task):
             answers.write(json.dumps({"id": asked["id"], **answer}, allow_nan=False) + "\n")
             answers.flush()
         if asked["request"] == "stop":
             return
 
 
-def answered(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answers_to(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """The answers to a request."""
     try:
         yield from ANSWERS[asked["request"]](implementation, asked, task)
@@ -50,7 +50,7 @@ def answered(implementation: Implementation, asked: Mapping[str, Any], task: Tas
         yield {"answer": "crashed", "message": f"{type(crash).__name__}: {crash}"}
 
 
-def started(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answer_start(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """Its name, its dialects, what it can do, and the readings that it can be made to follow."""
     name, _, version = implementation.name.rpartition(" ")
     followed = {id: [a for a in reading.alternatives if implementation.follows(id, a)] for id, reading in READINGS.items()}
@@ -63,36 +63,36 @@ def started(implementation: Implementation, asked: Mapping[str, Any], task: Task
     }  # fmt: skip
 
 
-def compiled(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answer_compile(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """The program is kept: the protocol of Python implementations compiles when it draws."""
     yield {"answer": "compiled"}
 
 
-def sampled(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answer_sample(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """Scenes."""
-    for scene in implementation.scenes(given(task), asked["count"], seed=asked["seed"], attempts=asked["attempts"]):
+    for scene in implementation.scenes(require_task(task), asked["count"], seed=asked["seed"], attempts=asked["attempts"]):
         yield {"answer": "scene", "scene": scene}
     yield {"answer": "done"}
 
 
-def simulated(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answer_simulate(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """Simulations."""
     if not isinstance(implementation, Simulating):
         raise Unsupported(f"{implementation.name} does not simulate")
     recorded = {} if asked["world"] is None else {"world": asked["world"]}
     if recorded and "world" not in signature(implementation.simulations).parameters:
         raise Unsupported(f"{implementation.name} does not simulate in a recorded world")
-    for run in implementation.simulations(given(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"], **recorded):
+    for run in implementation.simulations(require_task(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"], **recorded):
         yield {"answer": "simulation", "simulation": run}
     yield {"answer": "done"}
 
 
-def stopped(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
+def answer_stop(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """The end."""
     yield {"answer": "stopped"}
 
 
-def given(task: Task | None) -> Task:
+def require_task(task: Task | None) -> Task:
     """The program that was compiled."""
     if task is None:
         raise Unsupported("no program was compiled")
@@ -100,7 +100,7 @@ def given(task: Task | None) -> Task:
 
 
 ANSWERS: Mapping[str, Callable[[Implementation, Mapping[str, Any], Task | None], Iterator[Answer]]] = {
-    "start": started, "compile": compiled, "sample": sampled, "simulate": simulated, "stop": stopped,
+    "start": answer_start, "compile": answer_compile, "sample": answer_sample, "simulate": answer_simulate, "stop": answer_stop,
 }  # fmt: skip
 
 

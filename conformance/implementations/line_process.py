@@ -54,7 +54,7 @@ class AnsweringProcess:
         surroundings = {**os.environ, "TMPDIR": self.folder.name, "TMP": self.folder.name, "TEMP": self.folder.name, "PYTHONUNBUFFERED": "1"}
         try:
             self.child = subprocess.Popen(
-                limited(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=self.folder.name, env=surroundings,
+                limit_command(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=self.folder.name, env=surroundings,
                 start_new_session=True,
             )  # fmt: skip
         except OSError as error:
@@ -101,7 +101,7 @@ class AnsweringProcess:
                 if line is not None:
                     return line
                 raise ImplementationFault("garbled", f"a line of more than {LONGEST_LINE >> 20} MiB") if self.too_long else self.crash()
-            if size_of(self.folder.name) > LARGEST_FOLDER:
+            if folder_size(self.folder.name) > LARGEST_FOLDER:
                 raise ImplementationFault("crashed", f"it wrote more than {LARGEST_FOLDER >> 30} GiB to its folder")
             if time.monotonic() >= deadline:
                 raise ImplementationFault("timed out", f"no answer within {seconds:g} s")
@@ -140,7 +140,7 @@ def write(stream: IO[bytes], line: bytes) -> None:
         stream.flush()
 
 
-def limited(command: Sequence[str]) -> list[str]:
+def limit_command(command: Sequence[str]) -> list[str]:
     """The command under limits of the size of its files and of its memory, and guarded, where there is a shell that does it."""
     if sys.platform == "win32":
         return [*command]
@@ -167,7 +167,7 @@ def strays(folder: str) -> Iterator[int]:
                 yield int(place.parent.name)
 
 
-def size_of(folder: str) -> int:
+def folder_size(folder: str) -> int:
     """Bytes in the files of a folder; what vanishes meanwhile counts nothing."""
     total = 0
     for at, _, names in os.walk(folder):

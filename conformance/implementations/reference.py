@@ -56,14 +56,14 @@ class Ourselves:
 
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
         """Scenes 0 to `count - 1` of the seed."""
-        with told():
-            for scene in load(task).sample_many(count, seed, max_attempts=attempts, backend=self.backend):
+        with translate_errors():
+            for scene in load_task(task).sample_many(count, seed, max_attempts=attempts, backend=self.backend):
                 yield scene.to_json()
 
     def enumerated(self, task: Task) -> Enumerated | None:
         """The exact distribution, unless a draw has infinitely many values."""
-        with told():
-            scenario = load(task)
+        with translate_errors():
+            scenario = load_task(task)
             try:
                 found = scenario.enumerate()
             except (UsageError, RunsExhausted):
@@ -84,21 +84,21 @@ class Ourselves:
                 raise NeverDrawn
             return value
 
-        with told(), suppress(NeverDrawn):
-            run(load(task).start(), given)
+        with translate_errors(), suppress(NeverDrawn):
+            run(load_task(task).start(), given)
             if len(logarithms) < len(draws):
                 raise ValueError(f"the run draws {len(logarithms)} values, and not {len(draws)}")
         return math.exp(sum(logarithms))
 
     def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """What fired in the first runs of several scenes, until all wanted rules were seen and a run was accepted."""
-        scenario = loaded(task)
+        scenario = load_unless_refused(task)
         if scenario is None:
             return frozenset()
         found: set[str] = set()
         accepted = False
         for index in range(TRACED_RUNS):
-            trace = traced(scenario, seed, index)
+            trace = trace_first_run(scenario, seed, index)
             accepted = accepted or trace.accepted
             found |= {event.rule for event in trace.events if event.kind != "stuck"}
             if (accepted and wanted <= found) or trace.run is None:
@@ -109,16 +109,16 @@ class Ourselves:
         self, task: Task, steps: int, count: int, *, seed: int, attempts: int, world: World | None = None
     ) -> Iterator[SimulationRecord]:  # fmt: skip
         """Simulations 0 to `count - 1` of the seed."""
-        with told():
-            scenario = load(task)
+        with translate_errors():
+            scenario = load_task(task)
             for index in range(count):
                 run = scenario.simulate(RecordedWorld(world or ()), steps, seed, index, max_attempts=attempts, backend="interpreter")
                 yield to_json(run.simulation, run.attempts)
 
     def enumerated_simulations(self, task: Task, steps: int) -> Enumerated | None:
         """The exact distribution, unless a draw has infinitely many values, or scenes are tried again after a rejection."""
-        with told():
-            scenario = load(task)
+        with translate_errors():
+            scenario = load_task(task)
             if scenario.readings["rejected-simulation"] == "retry":
                 return None
             try:
@@ -129,7 +129,7 @@ class Ourselves:
 
     def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """What fired in the first runs of several simulations, until all wanted rules were seen and a run was accepted."""
-        scenario = loaded(task)
+        scenario = load_unless_refused(task)
         if scenario is None:
             return frozenset()
         found: set[str] = set()
@@ -154,25 +154,25 @@ class NeverDrawn(Exception):
     """No run draws such a value."""
 
 
-def loaded(task: Task) -> Scenario | None:
+def load_unless_refused(task: Task) -> Scenario | None:
     """The scenario of a task, None for a program that is refused."""
     try:
-        with told():
-            return load(task)
+        with translate_errors():
+            return load_task(task)
     except Refused:
         return None
 
 
-def load(task: Task) -> Scenario:
+def load_task(task: Task) -> Scenario:
     """The scenario of a task; the modules beside its program are read here."""
-    with beside(task.files) as directory:
+    with folder_with_files(task.files) as directory:
         scenario = loads(task.program, dialect=task.dialect, profile="paper", readings=task.readings, directory=directory)
         _ = scenario.settings  # the modules are read here, while the folder is there
         return scenario
 
 
 @contextmanager
-def beside(files: Mapping[str, str]) -> Iterator[Path | None]:
+def folder_with_files(files: Mapping[str, str]) -> Iterator[Path | None]:
     """A folder with these files for as long as it is needed, None if there are none."""
     if not files:
         yield None
@@ -185,7 +185,7 @@ def beside(files: Mapping[str, str]) -> Iterator[Path | None]:
         yield Path(folder)
 
 
-def traced(scenario: Scenario, seed: int, index: int) -> Trace:
+def trace_first_run(scenario: Scenario, seed: int, index: int) -> Trace:
     """The first run of a scene, up to its end or to the program's error."""
     trace = Trace()
     with suppress(ProgramError):  # the events before it are kept
@@ -194,7 +194,7 @@ def traced(scenario: Scenario, seed: int, index: int) -> Trace:
 
 
 @contextmanager
-def told() -> Iterator[None]:
+def translate_errors() -> Iterator[None]:
     """Our errors in the words of the protocol; any other error goes through."""
     try:
         yield

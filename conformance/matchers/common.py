@@ -10,7 +10,7 @@ from typing import TypeGuard
 
 from ..implementations.protocol import Implementation, NeverAccepted, Refused, SceneRecord, Task
 from ..strict_tables import VectorFields
-from ..verdict import VectorVerdict, failed
+from ..verdict import VectorVerdict, failed_verdict
 
 STEP = re.compile(r"\.?([A-Za-z_][\w-]*)|\[(\d+)\]")
 NO_TABLE: Mapping[str, object] = {}
@@ -81,7 +81,7 @@ def close(found: object, expected: object, tolerance: float) -> bool:
         case bool() | str():
             return type(found) is type(expected) and found == expected
         case int() | float():
-            return is_number(found) and abs(found - expected) <= tolerance
+            return is_json_number(found) and abs(found - expected) <= tolerance
         case list():
             if not isinstance(found, list) or len(found) != len(expected):
                 return False
@@ -92,14 +92,14 @@ def close(found: object, expected: object, tolerance: float) -> bool:
             return False
 
 
-def is_number(value: object) -> TypeGuard[int | float]:
+def is_json_number(value: object) -> TypeGuard[int | float]:
     """Whether a decoded JSON value is a number."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def turned(found: object, expected: object) -> object:
+def unwrap_heading(found: object, expected: object) -> object:
     """A heading moved by whole turns to where it is nearest to the expected one; anything else as it is."""
-    if not (is_number(found) and is_number(expected) and math.isfinite(found - expected)):
+    if not (is_json_number(found) and is_json_number(expected) and math.isfinite(found - expected)):
         return found
     return found - math.tau * round((found - expected) / math.tau)
 
@@ -130,7 +130,7 @@ def requirements(never: NeverAccepted) -> str:
     return "the requirements are not reported" if never.requirements is None else "these failed: " + ", ".join(sorted(never.requirements))
 
 
-def read(scenes: Sequence[SceneRecord], path: Path) -> list[object]:
+def read_at_path(scenes: Sequence[SceneRecord], path: Path) -> list[object]:
     """What stands at a place of each scene. Raises `Disagreement` where nothing does."""
     try:
         return [path.read(scene) for scene in scenes]
@@ -138,7 +138,7 @@ def read(scenes: Sequence[SceneRecord], path: Path) -> list[object]:
         raise Disagreement(str(missing)) from None
 
 
-def disagreed(disagreement: Disagreement) -> VectorVerdict:
+def disagreement_verdict(disagreement: Disagreement) -> VectorVerdict:
     """The verdict of a disagreement."""
-    return failed(str(disagreement))
+    return failed_verdict(str(disagreement))
 

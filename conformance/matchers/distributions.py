@@ -13,7 +13,7 @@ from ...inference.comparison.exact_laws import DEFAULT_ALPHA, BoundedMean, Categ
 from ..implementations.protocol import Enumerated, Enumerating, Implementation, NeverAccepted, Refused, Task
 from ..strict_tables import VectorFields
 from ..verdict import PASSED, VectorVerdict
-from .common import Disagreement, Path, close, disagreed, draw, is_number, read, read_path, requirements
+from .common import Disagreement, Path, close, disagreement_verdict, draw, is_json_number, read_at_path, read_path, requirements
 
 THRESHOLD = -math.log10(DEFAULT_ALPHA)
 """log10 of the e-value that contradicts a law: a statistical vector accuses a correct implementation with probability at most `DEFAULT_ALPHA`."""
@@ -96,7 +96,7 @@ def deviation(fields: VectorFields) -> float:
     return found
 
 
-def clipped(value: float) -> float:
+def clip_to_unit(value: float) -> float:
     """The value, moved into [0, 1]."""
     return min(max(value, 0.0), 1.0)
 
@@ -109,7 +109,7 @@ def standard_normal(z: float) -> float:
 def uniform(fields: VectorFields) -> Family:
     """F(x) = (x - low) / (high - low)."""
     low, high = ordered_interval(fields)
-    return lambda x: clipped((x - low) / (high - low)), low, high
+    return lambda x: clip_to_unit((x - low) / (high - low)), low, high
 
 
 def normal(fields: VectorFields) -> Family:
@@ -123,7 +123,7 @@ def truncated_normal(fields: VectorFields) -> Family:
     mean, std = fields.number("mean"), deviation(fields)
     low, high = ordered_interval(fields)
     below, within = standard_normal((low - mean) / std), standard_normal((high - mean) / std) - standard_normal((low - mean) / std)
-    return lambda x: clipped((standard_normal((x - mean) / std) - below) / within), low, high
+    return lambda x: clip_to_unit((standard_normal((x - mean) / std) - below) / within), low, high
 
 
 def triangular(fields: VectorFields) -> Family:
@@ -149,7 +149,7 @@ def power(fields: VectorFields) -> Family:
     exponent = fields.number("exponent")
     if exponent <= 0:
         raise fields.wrong("exponent must be above 0")
-    return lambda x: clipped((x - low) / (high - low)) ** exponent, low, high
+    return lambda x: clip_to_unit((x - low) / (high - low)) ** exponent, low, high
 
 
 def piecewise_linear(fields: VectorFields) -> Family:
@@ -206,9 +206,9 @@ def union(parts: Sequence[Shape]) -> Shape:
     return lambda value, tolerance: any(part(value, tolerance) for part in parts)
 
 
-def place_of(value: object) -> Place | None:
+def point_of_pair(value: object) -> Place | None:
     """A pair of finite numbers as a point."""
-    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 2 and all(is_number(v) and math.isfinite(v) for v in value):
+    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 2 and all(is_json_number(v) and math.isfinite(v) for v in value):
         return float(value[0]), float(value[1])
     return None
 
@@ -217,7 +217,7 @@ def of_points(inside: Callable[[Place, float], bool]) -> Shape:
     """A set of points from its predicate."""
 
     def shape(value: object, tolerance: float) -> bool:
-        place = place_of(value)
+        place = point_of_pair(value)
         return place is not None and inside(place, tolerance)
 
     return shape
@@ -226,7 +226,7 @@ def of_points(inside: Callable[[Place, float], bool]) -> Shape:
 def interval_set(fields: VectorFields) -> Shape:
     """The numbers from low to high."""
     low, high = fields.number("low"), fields.number("high")
-    return lambda value, tolerance: is_number(value) and low - tolerance <= value <= high + tolerance
+    return lambda value, tolerance: is_json_number(value) and low - tolerance <= value <= high + tolerance
 
 
 def disc(fields: VectorFields) -> Shape:
@@ -327,13 +327,13 @@ class Probabilities:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """By enumeration where that is possible, by sampling elsewhere."""
         try:
-            exact = enumerated(implementation, task) if self.is_exact else None
+            exact = exact_distribution(implementation, task) if self.is_exact else None
             if exact is None:
-                self.check_samples(read(draw(implementation, task, self.samples), self.of))
+                self.check_samples(read_at_path(draw(implementation, task, self.samples), self.of))
             else:
                 self.check_enumeration(exact)
         except Disagreement as disagreement:
-            return disagreed(disagreement)
+            return disagreement_verdict(disagreement)
         return PASSED
 
     @property
@@ -354,7 +354,7 @@ class Probabilities:
     def check_enumeration(self, exact: Enumerated) -> None:
         """The fractions themselves. Raises `Disagreement`."""
         found = [Fraction(0)] * len(self.outcomes)
-        numbers = self.numbers(read([scene for _, scene in exact.outcomes], self.of))
+        numbers = self.numbers(read_at_path([scene for _, scene in exact.outcomes], self.of))
         for number, (probability, _) in zip(numbers, exact.outcomes, strict=True):
             found[number] += probability
         for outcome, expected, probability in zip(self.outcomes, self.probabilities, found, strict=True):
@@ -387,7 +387,7 @@ def told_apart(against: float, against_rival: float, what: str) -> None:
         raise Disagreement(f"the samples of {what} do not contradict the rival: e-value 10^{against_rival:.1f}, and 10^{THRESHOLD:g} is needed")
 
 
-def enumerated(implementation: Implementation, task: Task) -> Enumerated | None:
+def exact_distribution(implementation: Implementation, task: Task) -> Enumerated | None:
     """The exact distribution if the implementation can find it. Raises `Disagreement` if it refuses the program."""
     try:
         return implementation.enumerated(task) if isinstance(implementation, Enumerating) else None
@@ -425,16 +425,16 @@ class QuantityLaw:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Samples against the law and against its rival."""
         try:
-            values = [number(value, self.of) for value in read(draw(implementation, task, self.samples), self.of)]
+            values = [finite_number(value, self.of) for value in read_at_path(draw(implementation, task, self.samples), self.of)]
             told_apart(contradiction(values, self.law), contradiction(values, self.rival), f"{self.of}")
         except Disagreement as disagreement:
-            return disagreed(disagreement)
+            return disagreement_verdict(disagreement)
         return PASSED
 
 
-def number(value: object, of: Path) -> float:
+def finite_number(value: object, of: Path) -> float:
     """A finite number. Raises `Disagreement` for anything else."""
-    if not is_number(value) or not math.isfinite(value):
+    if not is_json_number(value) or not math.isfinite(value):
         raise Disagreement(f"{of} is {value!r}, which is not a finite number")
     return float(value)
 
@@ -462,7 +462,7 @@ class QuantitySupport:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Every sample lies within; each set is reached by one."""
         try:
-            values = read(draw(implementation, task, self.samples), self.of)
+            values = read_at_path(draw(implementation, task, self.samples), self.of)
             outside = next((value for value in values if not self.within(value, self.tolerance)), None)
             if outside is not None:
                 raise Disagreement(f"{self.of} is {outside!r}, which lies outside its support")
@@ -470,7 +470,7 @@ class QuantitySupport:
                 if not any(shape(value, 0.0) for value in values):
                     raise Disagreement(f"{self.of} reaches[{index}] in none of {self.samples} scenes")
         except Disagreement as disagreement:
-            return disagreed(disagreement)
+            return disagreement_verdict(disagreement)
         return PASSED
 
 

@@ -8,7 +8,7 @@ from ...semantics.rules import RULES
 from ...semantics.store import errors
 from ..implementations.protocol import Implementation, NeverAccepted, Refused, SceneRecord, Simulating, Task
 from ..strict_tables import VectorFields
-from ..verdict import PASSED, VectorVerdict, failed, skipped
+from ..verdict import PASSED, VectorVerdict, failed_verdict, skipped_verdict
 from .common import ATTEMPTS, requirements
 
 PHASES = ("parse", "check", "resolve", "run")
@@ -32,11 +32,11 @@ class Rejection:
         try:
             scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=self.attempts))
         except Refused as refused:
-            return failed(f"{refused.when} instead of never accepted: {refused.message}")
+            return failed_verdict(f"{refused.when} instead of never accepted: {refused.message}")
         except NeverAccepted as never:
             told = never.requirements in (None, frozenset({self.requirement}))
-            return PASSED if told else failed(f"never accepted, but not because of {self.requirement} alone: {requirements(never)}")
-        return failed(f"gave {len(scenes)} scenes, and no run may be accepted")
+            return PASSED if told else failed_verdict(f"never accepted, but not because of {self.requirement} alone: {requirements(never)}")
+        return failed_verdict(f"gave {len(scenes)} scenes, and no run may be accepted")
 
 
 def read_rejection(fields: VectorFields) -> Rejection:
@@ -64,15 +64,15 @@ class Error:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """The first scene, or simulation, must not appear, for the right reason."""
         if self.steps is not None and not isinstance(implementation, Simulating):
-            return skipped(f"{implementation.name} does not simulate")
+            return skipped_verdict(f"{implementation.name} does not simulate")
         try:
             found = self.first(implementation, task)
         except Refused as refused:
             return self.compare(refused)
         except NeverAccepted as never:
-            return failed(f"never accepted instead of refused in phase {self.allowed}: {requirements(never)}")
+            return failed_verdict(f"never accepted instead of refused in phase {self.allowed}: {requirements(never)}")
         what = "scenes" if self.steps is None else "simulations"
-        return failed(f"gave {len(found)} {what} instead of an error of phase {self.allowed}")
+        return failed_verdict(f"gave {len(found)} {what} instead of an error of phase {self.allowed}")
 
     def first(self, implementation: Implementation, task: Task) -> list[SceneRecord]:
         """The first scene, or simulation."""
@@ -88,11 +88,11 @@ class Error:
     def compare(self, refused: Refused) -> VectorVerdict:
         """An error against the expected one."""
         if not refused.may_be_in(self.phases):
-            return failed(f"{refused.when}, not {self.allowed}: {refused.message}")
+            return failed_verdict(f"{refused.when}, not {self.allowed}: {refused.message}")
         told = (("line", refused.line, self.line), ("class", refused.class_name, self.class_name), ("rule", refused.rule, self.rule))
         for what, found, expected in told:
             if None not in (found, expected) and found != expected:
-                return failed(f"refused with {what} {found}, not {expected}: {refused.message}")
+                return failed_verdict(f"refused with {what} {found}, not {expected}: {refused.message}")
         return PASSED
 
 

@@ -22,8 +22,8 @@ from ..implementations.protocol import (
     Task,
 )
 from ..strict_tables import VectorFields
-from ..verdict import PASSED, VectorVerdict, skipped
-from .common import ATTEMPTS, Disagreement, close, disagreed, requirements
+from ..verdict import PASSED, VectorVerdict, skipped_verdict
+from .common import ATTEMPTS, Disagreement, close, disagreement_verdict, requirements
 from .distributions import SAME, agree, law_of, told_apart
 from .errors import REQUIREMENTS, simulations_of
 
@@ -97,7 +97,7 @@ class Simulations:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """By enumeration where that is possible, by sampling elsewhere."""
         if not isinstance(implementation, Simulating):
-            return skipped(f"{implementation.name} does not simulate")
+            return skipped_verdict(f"{implementation.name} does not simulate")
         try:
             exact = self.enumerated(implementation, task) if all(isinstance(p, Fraction) for p in self.probabilities) else None
             if exact is None:
@@ -105,11 +105,11 @@ class Simulations:
             else:
                 self.check_enumeration(exact)
         except Disagreement as disagreement:
-            return disagreed(disagreement)
+            return disagreement_verdict(disagreement)
         except Refused as refused:
-            return disagreed(Disagreement(f"{refused.when}: {refused.message}"))
+            return disagreement_verdict(Disagreement(f"{refused.when}: {refused.message}"))
         except NeverAccepted as never:
-            return disagreed(Disagreement(f"no run was accepted: {requirements(never)}"))
+            return disagreement_verdict(Disagreement(f"no run was accepted: {requirements(never)}"))
         return PASSED
 
     def enumerated(self, implementation: Implementation, task: Task) -> Enumerated | None:
@@ -163,16 +163,16 @@ class AlwaysRejected:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """No simulation in `attempts` attempts; an implementation that reports why must name these requirements and no other."""
         if not isinstance(implementation, Simulating):
-            return skipped(f"{implementation.name} does not simulate")
+            return skipped_verdict(f"{implementation.name} does not simulate")
         wanted = ", ".join(sorted(self.kinds))
         try:
             found = simulations_of(implementation, task, self.steps, self.attempts)
         except Refused as refused:
-            return disagreed(Disagreement(f"{refused.when} instead of never accepted: {refused.message}"))
+            return disagreement_verdict(Disagreement(f"{refused.when} instead of never accepted: {refused.message}"))
         except NeverAccepted as never:
             told = never.requirements is None or never.requirements == self.kinds
-            return PASSED if told else disagreed(Disagreement(f"never accepted, but not because of {wanted} alone: {requirements(never)}"))
-        return disagreed(Disagreement(f"gave {len(found)} simulations, and no run may be accepted ({wanted})"))
+            return PASSED if told else disagreement_verdict(Disagreement(f"never accepted, but not because of {wanted} alone: {requirements(never)}"))
+        return disagreement_verdict(Disagreement(f"gave {len(found)} simulations, and no run may be accepted ({wanted})"))
 
 
 # Reading

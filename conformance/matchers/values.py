@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from ..implementations.protocol import Implementation, Measuring, Refused, SceneRecord, Task
 from ..strict_tables import VectorFields
-from ..verdict import PASSED, VectorVerdict, failed, skipped
-from .common import Disagreement, NotThere, child, close, disagreed, draw, turned
+from ..verdict import PASSED, VectorVerdict, failed_verdict, skipped_verdict
+from .common import Disagreement, NotThere, child, close, disagreement_verdict, draw, unwrap_heading
 
 SCENES = 3
 
@@ -30,7 +30,7 @@ class SceneValues:
             for scene in draw(implementation, task, self.scenes):
                 self.check(scene)
         except Disagreement as disagreement:
-            return disagreed(disagreement)
+            return disagreement_verdict(disagreement)
         return PASSED
 
     def check(self, scene: SceneRecord) -> None:
@@ -43,7 +43,7 @@ class SceneValues:
         for index, properties in self.objects:
             for name, expected in properties.items():
                 found = child(child(objects, index), name)
-                self.compare(f"objects[{index}].{name}", turned(found, expected) if name == "heading" else found, expected)
+                self.compare(f"objects[{index}].{name}", unwrap_heading(found, expected) if name == "heading" else found, expected)
 
     def compare(self, place: str, found: object, expected: object) -> None:
         """One value. Raises `Disagreement`."""
@@ -90,14 +90,14 @@ class Densities:
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Of each run in turn."""
         if not isinstance(implementation, Measuring):
-            return skipped(f"{implementation.name} does not say how likely a run is")
+            return skipped_verdict(f"{implementation.name} does not say how likely a run is")
         for draws, density in self.runs:
             try:
                 found = implementation.density(task, draws)
             except Refused as refused:
-                return failed(f"{refused.when}: {refused.message}")
+                return failed_verdict(f"{refused.when}: {refused.message}")
             if not math.isclose(found, density, rel_tol=SAME):
-                return failed(f"the density of {list(draws)!r} is {found!r}, not {density!r}")
+                return failed_verdict(f"the density of {list(draws)!r} is {found!r}, not {density!r}")
         return PASSED
 
 

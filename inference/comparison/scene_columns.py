@@ -15,7 +15,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...data.scene import OWN_FIELDS, Scene, is_number
+from ...data.scene import OWN_FIELDS, Scene, is_int_or_float
 from .betting import Array
 
 ABSENT = "(absent)"
@@ -198,7 +198,7 @@ def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
     if kinds <= SCALARS or not kinds & SCALARS:
         yield name, array_of(values, kinds)
         return
-    numbers = [is_number(v) for v in values]
+    numbers = [is_int_or_float(v) for v in values]
     yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
     yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
 

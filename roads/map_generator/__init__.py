@@ -1,6 +1,6 @@
 """A writer of road maps: OpenDRIVE files of a few kinds, from parameters.
 
-    made("crossing", lanes=2, sidewalks=True)
+    generate_map("crossing", lanes=2, sidewalks=True)
 
 Metres, x to the East and y to the North. Every junction has one road for each way from a lane to a lane, and lanes meet exactly.
 """
@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from . import map_kinds
-from .opendrive_writer import written
+from .opendrive_writer import opendrive_text
 from .road_plans import PlannedRoad
 from .street_networks import Style
 
-__all__ = ["KINDS", "MapKind", "MapParameter", "made"]
+__all__ = ["KINDS", "MapKind", "MapParameter", "generate_map"]
 
 Value = bool | int | float
 
@@ -134,7 +134,7 @@ KINDS: Mapping[str, MapKind] = MappingProxyType(
 """The kinds of maps by their names."""  # fmt: skip
 
 
-def made(kind: str, **parameters: Value) -> str:
+def generate_map(kind: str, **parameters: Value) -> str:
     """The text of an OpenDRIVE 1.6 file: the same for the same parameters. Those that are not given have their defaults (`KINDS`).
 
     Raises `ValueError` for another kind or parameter, a value out of range, and values that do not fit together.
@@ -150,4 +150,4 @@ def made(kind: str, **parameters: Value) -> str:
     common = [field.name for field in dataclasses.fields(Style)]
     if all(name in values for name in common):
         values = {"style": Style(**{name: values.pop(name) for name in common}), **values}  # type: ignore[arg-type]
-    return written(KINDS[kind].roads(**values), kind, left_hand)
+    return opendrive_text(KINDS[kind].roads(**values), kind, left_hand)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from .road_curves import Line, turn, turned
+from .road_curves import Line, junction_curve, turn
 from .road_plans import (
     Mouth,
     Neighbour,
@@ -19,7 +19,7 @@ from .road_plans import (
     PlannedSignal,
     Side,
     breadth,
-    driven,
+    driving_lane_indices,
     to_curb,
 )
 
@@ -56,11 +56,11 @@ def turns(mouths: Sequence[Mouth]) -> Iterator[PlannedManeuver]:
 
     Where the road that is left or the one that is entered has none opposite to it, the inner half of the lanes turns left, the outer half right.
     """
-    pairs = [(i, j) for i in range(len(mouths)) for j in range(len(mouths)) if i != j and driven(mouths[i].incoming) and driven(mouths[j].outgoing)]
+    pairs = [(i, j) for i in range(len(mouths)) for j in range(len(mouths)) if i != j and driving_lane_indices(mouths[i].incoming) and driving_lane_indices(mouths[j].outgoing)]
     angles = {(i, j): turn(mouths[j].pose.heading - mouths[i].pose.heading - math.pi) for i, j in pairs}
     straight = {pair for pair, angle in angles.items() if abs(angle) < STRAIGHT}
     for (i, j), angle in angles.items():
-        lanes, to = driven(mouths[i].incoming), driven(mouths[j].outgoing)
+        lanes, to = driving_lane_indices(mouths[i].incoming), driving_lane_indices(mouths[j].outgoing)
         if (i, j) not in straight:
             opposite = any(i == one for one, _ in straight) and any(j == other for _, other in straight)
             number = 1 if opposite else (len(lanes) + 1) // 2
@@ -79,51 +79,51 @@ def junction(id: int, mouths: Sequence[Mouth], maneuvers: Iterable[PlannedManeuv
     corners = {(i, (i + 1) % len(mouths)) for i in range(len(mouths))}
     for way in maneuvers:
         start, end = mouths[way.start], mouths[way.end]
-        corner, left, right = beside(mouths, way)
+        corner, left, right = lanes_beside_maneuver(mouths, way)
         corners.discard(corner)
         driving = PlannedLane("driving", start.incoming[way.lane].width, start.incoming_id(way.lane), end.outgoing_id(way.to))
         references = (PlannedSignal(start.signal, 0.0, 0.0, "+", (-1, -1)),) if start.signal is not None else ()
-        add(start, end, between(start, way.lane, end, way.to), left, (driving, *right), references)
+        add(start, end, maneuver_line(start, way.lane, end, way.to), left, (driving, *right), references)
     for one, other in sorted(corners):
         start, end = mouths[one], mouths[other]
-        lanes = common(reversed(incoming(start)), reversed(outgoing(end)))[::-1]
+        lanes = common(reversed(incoming_lanes(start)), reversed(outgoing_lanes(end)))[::-1]
         if any(lane.type == "sidewalk" for lane in lanes):
-            add(start, end, between(start, len(start.incoming) - len(lanes), end, len(end.outgoing) - len(lanes)), (), lanes)
+            add(start, end, maneuver_line(start, len(start.incoming) - len(lanes), end, len(end.outgoing) - len(lanes)), (), lanes)
     return roads
 
 
-def between(start: Mouth, lane: int, end: Mouth, to: int) -> Line:
+def maneuver_line(start: Mouth, lane: int, end: Mouth, to: int) -> Line:
     """The reference line from the left edge of an incoming lane to that of an outgoing one."""
-    return turned(start.pose.reversed().moved(0.0, breadth(start.incoming[:lane])), end.pose.moved(0.0, breadth(end.outgoing[:to])))
+    return junction_curve(start.pose.reversed().moved(0.0, breadth(start.incoming[:lane])), end.pose.moved(0.0, breadth(end.outgoing[:to])))
 
 
-def beside(mouths: Sequence[Mouth], way: PlannedManeuver) -> tuple[tuple[int, int] | None, Side, Side]:
+def lanes_beside_maneuver(mouths: Sequence[Mouth], way: PlannedManeuver) -> tuple[tuple[int, int] | None, Side, Side]:
     """The corner along which a maneuver goes, if any, and the lanes to its left and to its right that its road has too.
 
     These are all lanes along the corner; else a bike lane to the right, and what separates the directions of a road to the left.
     """
     start, end = mouths[way.start], mouths[way.end]
-    lanes, to = driven(start.incoming), driven(end.outgoing)
+    lanes, to = driving_lane_indices(start.incoming), driving_lane_indices(end.outgoing)
     left, right, corner = (), (), None
     if (way.lane, way.to) == (lanes[-1], to[-1]):
-        right = common(incoming(start)[way.lane + 1 :], outgoing(end)[way.to + 1 :])
+        right = common(incoming_lanes(start)[way.lane + 1 :], outgoing_lanes(end)[way.to + 1 :])
         if way.end == (way.start + 1) % len(mouths):
             corner = way.start, way.end
         else:
             right = tuple(lane for lane in right if lane.type == "biking")
     if (way.lane, way.to) == (lanes[0], to[0]):
-        left = common(reversed(incoming(start)[: way.lane]), reversed(outgoing(end)[: way.to]))
-        if way.start == (way.end + 1) % len(mouths) and not driven(start.outgoing) and not driven(end.incoming):
-            corner, left = (way.end, way.start), common(outgoing(start), incoming(end))
+        left = common(reversed(incoming_lanes(start)[: way.lane]), reversed(outgoing_lanes(end)[: way.to]))
+        if way.start == (way.end + 1) % len(mouths) and not driving_lane_indices(start.outgoing) and not driving_lane_indices(end.incoming):
+            corner, left = (way.end, way.start), common(outgoing_lanes(start), incoming_lanes(end))
     return corner, left, right
 
 
-def incoming(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
+def incoming_lanes(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
     """The incoming lanes with their ids."""
     return [(lane, mouth.incoming_id(index)) for index, lane in enumerate(mouth.incoming)]
 
 
-def outgoing(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
+def outgoing_lanes(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
     """The outgoing lanes with their ids."""
     return [(lane, mouth.outgoing_id(index)) for index, lane in enumerate(mouth.outgoing)]
 

@@ -91,7 +91,7 @@ def highway(lanes: int, lane_width: float, radius: float, leg: float, ramp_lane:
     types = (("entry", (lane_width,)), ("entry", closing), None, ("exit", opening), ("exit", (lane_width,)))
     beside: list[Side] = [() if found is None else (PlannedLane(*found),) for found in types]
     starts = [0.0, ramp_lane, ramp_lane + taper, 2 * ramp_lane + taper, 2 * ramp_lane + 2 * taper]
-    sections = linked([PlannedSection(start, inner + shoulder, inner + lane + shoulder) for start, lane in zip(starts, beside, strict=True)])
+    sections = link_sections([PlannedSection(start, inner + shoulder, inner + lane + shoulder) for start, lane in zip(starts, beside, strict=True)])
     plain = (PlannedSection(0.0, inner + shoulder, inner + shoulder),)
     aside, length = breadth(shoulder) + GORE, starts[-1] + ramp_lane
     angle, edge, away = 2 * math.atan(aside / MERGING), breadth(inner) + aside, 2 * MERGING + length
@@ -111,7 +111,7 @@ def highway(lanes: int, lane_width: float, radius: float, leg: float, ramp_lane:
     return [west, middle, east, on, off, *merging, *forking]
 
 
-def linked(sections: list[PlannedSection]) -> tuple[PlannedSection, ...]:
+def link_sections(sections: list[PlannedSection]) -> tuple[PlannedSection, ...]:
     """The sections of a road, with lanes linked that have the same type and the same place among those of this type."""
 
     def names(side: Side) -> list[tuple[str, int]]:
@@ -129,7 +129,7 @@ def linked(sections: list[PlannedSection]) -> tuple[PlannedSection, ...]:
 def suburb(style: Style, rows: int, columns: int, block: float, leg: float, seed: int) -> list[PlannedRoad]:
     """Winding streets: a grid whose points are moved and turned, without some of its streets, and with dead ends."""
     chance = random.Random(seed)
-    streets, ends = drawn(chance, rows, columns)
+    streets, ends = draw_suburb_streets(chance, rows, columns)
     points: list[complex] = []
     headings: dict[tuple[int, int], float] = {}
     for place in range(rows * columns):
@@ -157,7 +157,7 @@ def next_to(place: int, way: int, columns: int) -> int:
     return place + (1, columns, -1, -columns)[way]
 
 
-def drawn(chance: random.Random, rows: int, columns: int) -> tuple[set[tuple[int, int]], set[tuple[int, int]]]:
+def draw_suburb_streets(chance: random.Random, rows: int, columns: int) -> tuple[set[tuple[int, int]], set[tuple[int, int]]]:
     """Places and ways from them: of the streets between places, in both directions, and of the dead ends.
 
     Every place can be reached; there are junctions of three and of four streets, and dead ends.
@@ -172,14 +172,14 @@ def drawn(chance: random.Random, rows: int, columns: int) -> tuple[set[tuple[int
         streets = set(inner)
         for place, way in chance.sample(inner, len(inner)):
             both = {(place, way), (next_to(place, way, columns), (way + 2) % 4)}
-            if way < 2 and chance.random() < 0.3 and reached(streets - both, columns) == rows * columns:
+            if way < 2 and chance.random() < 0.3 and count_reachable(streets - both, columns) == rows * columns:
                 streets -= both
         ends = {end for end in outer if chance.random() < 0.35}
         if ends and {3, 4} <= {sum(one == place for one, _ in streets | ends) for place in range(rows * columns)}:
             return streets, ends
 
 
-def reached(streets: set[tuple[int, int]], columns: int) -> int:
+def count_reachable(streets: set[tuple[int, int]], columns: int) -> int:
     """How many places can be reached from the first."""
     seen, pending = {0}, [0]
     while pending:

@@ -17,7 +17,7 @@ from .road_plans import (
     PlannedSignal,
     Side,
     breadth,
-    driven,
+    driving_lane_indices,
 )
 
 DEPTH = 3.0
@@ -39,7 +39,7 @@ def child(parent: ET.Element, tag: str, **attributes: Value) -> ET.Element:
     return ET.SubElement(parent, tag, {name: text(value) for name, value in attributes.items()})
 
 
-def written(roads: Sequence[PlannedRoad], name: str, left_hand: bool) -> str:
+def opendrive_text(roads: Sequence[PlannedRoad], name: str, left_hand: bool) -> str:
     """The text of a file. Roads of one junction follow each other."""
     root = ET.Element("OpenDRIVE")
     writer = MapWriter(root, -1 if left_hand else 1)
@@ -128,7 +128,7 @@ class MapWriter:
             for index in reversed(range(len(left))):
                 self.lane(group, 1 + index, left, marked)
         middle = child(child(element, "center"), "lane", id=0, type="none", level=False)
-        if marked and driven(left) and driven(right):
+        if marked and driving_lane_indices(left) and driving_lane_indices(right):
             child(middle, "roadMark", sOffset=0.0, type="solid", color="yellow", width=0.12)
         if right:
             group = child(element, "right")

@@ -111,7 +111,7 @@ def bends_to(end: Placement, shapes: Iterable[Shape]) -> Line:
     return bends(back[-1].at(1).reversed(), shapes)
 
 
-def turned(start: Placement, end: Placement) -> Line:
+def junction_curve(start: Placement, end: Placement) -> Line:
     """The way through a junction: straight, or a gentle cubic curve, or an arc with a line before or after it."""
     there = (end.point - start.point) * cmath.exp(-1j * start.heading)
     angle = turn(end.heading - start.heading)

@@ -127,7 +127,7 @@ def breadth(side: Sequence[PlannedLane]) -> float:
     return sum(lane.width[0] for lane in side)
 
 
-def driven(side: Side) -> list[int]:
+def driving_lane_indices(side: Side) -> list[int]:
     """The indices of the lanes on which cars drive."""
     return [index for index, lane in enumerate(side) if lane.type in DRIVEN]
 

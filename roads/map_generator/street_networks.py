@@ -22,7 +22,7 @@ from .road_plans import (
     PlannedSignal,
     Side,
     breadth,
-    driven,
+    driving_lane_indices,
     mouth,
     to_curb,
 )
@@ -70,7 +70,7 @@ class Style:
             at_end = contact == "end"
             incoming, sign = (section.right, -1) if at_end else (section.left, 1)
             middle, stop = BEFORE + DEPTH / 2, BEFORE + DEPTH + 0.5 if self.crosswalks else 0.5
-            lanes = [sign * (1 + index) for index in driven(incoming)]
+            lanes = [sign * (1 + index) for index in driving_lane_indices(incoming)]
             if self.signals and lanes:
                 s, t = road.length - stop if at_end else stop, sign * (to_curb(incoming) + 0.5)
                 signals.append(PlannedSignal(2 * road.id + at_end, s, t, "+" if at_end else "-", (min(lanes), max(lanes))))
@@ -115,7 +115,7 @@ def network(points: Sequence[complex], streets: Sequence[Street], style: Style) 
         section = style.section(way.one_way)
         line = way_between(poses[id, "start"], poses[id, "end"].reversed(), abs(points[way.end] - points[way.start]), section)
         before, after = beyond.get((id, "start")), beyond.get((id, "end"))
-        road = PlannedRoad(id, line, (joined(section, before, after),), before, after)
+        road = PlannedRoad(id, line, (link_section(section, before, after),), before, after)
         contacts: list[tuple[Contact, Neighbour | None]] = [("start", before), ("end", after)]
         roads.append(style.furnished(road, [contact for contact, other in contacts if other and not other.contact]))
     for id, ends in junctions.items():
@@ -136,7 +136,7 @@ def way_between(start: Placement, end: Placement, distance: float, section: Plan
     return line
 
 
-def joined(section: PlannedSection, before: Neighbour | None, after: Neighbour | None) -> PlannedSection:
+def link_section(section: PlannedSection, before: Neighbour | None, after: Neighbour | None) -> PlannedSection:
     """The section with its lanes linked to those of the roads that it goes over into."""
 
     def linked(side: Side, sign: int) -> Side:

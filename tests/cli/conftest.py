@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 import pytest
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 
 PROGRAMS = {
     "ok": "ego = Object at (0, 0)\n",
@@ -47,7 +47,7 @@ def ask(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setenv("COLUMNS", "200")
 
     def command(*arguments: object) -> Answer:
-        code = answer([str(a) for a in arguments])
+        code = run_command_line([str(a) for a in arguments])
         out, err = capfd.readouterr()
         return Answer(code, out, err)
 

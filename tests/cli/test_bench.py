@@ -10,7 +10,7 @@ import pytest
 from scenic_ref.benchmarks import measurement
 from scenic_ref.benchmarks.bar_chart import bars
 from scenic_ref.benchmarks.end_to_end import FEWEST, FIRST, LARGEST, Commands, RunCost, TimedCommand, WritingTask, numbers_of
-from scenic_ref.benchmarks.figures import Cell, Figures, fitted
+from scenic_ref.benchmarks.figures import Cell, Figures, fit_exponent
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.implementations import Ours
 from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
@@ -204,8 +204,8 @@ def test_medians_ratios_and_means_are_what_they_are_called():
 
 
 def test_the_power_of_growth_is_found():
-    assert fitted([(n, 3 * n**1.5) for n in (2, 10, 50)]) == pytest.approx(1.5)
-    assert fitted([(2, 1.0)]) is None
+    assert fit_exponent([(n, 3 * n**1.5) for n in (2, 10, 50)]) == pytest.approx(1.5)
+    assert fit_exponent([(2, 1.0)]) is None
 
 
 @pytest.mark.parametrize("text", [many_objects(5), many_polygons(50)])

@@ -21,9 +21,9 @@ HOLE = """
 import os, sys, socket, subprocess, ctypes, tempfile, shutil
 from scenic_ref.semantics.python import builtins
 from scenic_ref.semantics.machine.values import Native
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 builtins.BUILTINS["hole"] = Native("hole", lambda: {deed})
-sys.exit(answer(sys.argv[1:]))
+sys.exit(run_command_line(sys.argv[1:]))
 """
 DEEDS = {
     "write": "open('made', 'w')", "append": "open('p.scenic', 'a')", "low level": "os.open('made', os.O_CREAT | os.O_WRONLY)",

@@ -16,13 +16,13 @@ from scenic_ref.api import Scenario
 from scenic_ref.conformance import Ourselves
 from scenic_ref.conformance.implementations.harness_server import serve
 from scenic_ref.conformance.implementations.protocol import SceneRecord, SimulationRecord, Task
-from scenic_ref.conformance.implementations.reference import load, told
+from scenic_ref.conformance.implementations.reference import load_task, translate_errors
 from scenic_ref.conformance.recorded_world import RecordedWorld, World
 from scenic_ref.data.simulation import to_json
 from scenic_ref.inference.batch import block_rejection
 from scenic_ref.semantics.store.errors import AttemptsExhausted
 from scenic_ref.testing import same_distribution
-from scenic_ref.testing.judge import enumerated
+from scenic_ref.testing.judge import enumerate_if_small
 
 COMPILED = 4
 """One program of so many is compiled by numba, at once; the others are drawn on columns."""
@@ -47,14 +47,14 @@ class OtherBackends(Ourselves):
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
         """By the batch backend, where it can; as soon as many are asked for, some are compared."""
         block_rejection.COMPILE_LEAST = -1e9 if crc32(task.program.encode()) % COMPILED == 0 else 1e9
-        with told():
+        with translate_errors():
             if self.last is None or self.last[0] != repr(task):
-                self.last = repr(task), load(task), False
+                self.last = repr(task), load_task(task), False
             name, scenario, compared = self.last
             found = [scene.to_json() for scene in scenario.sample_many(count, seed, max_attempts=attempts, backend="batch")]
             if count >= REPLAYED and not compared:
                 self.last = name, scenario, True
-                same_scenes(load(task), found[:REPLAYED], seed, attempts)
+                same_scenes(load_task(task), found[:REPLAYED], seed, attempts)
                 same_law(scenario, seed + 1, attempts)
             yield from found
 
@@ -62,8 +62,8 @@ class OtherBackends(Ourselves):
         self, task: Task, steps: int, count: int, *, seed: int, attempts: int, world: World | None = None
     ) -> Iterator[SimulationRecord]:  # fmt: skip
         """With compiled behaviors; the first ones are compared."""
-        with told():
-            scenario, machine = load(task), load(task)
+        with translate_errors():
+            scenario, machine = load_task(task), load_task(task)
             for index in range(count):
                 compiled = scenario.simulate(RecordedWorld(world or ()), steps, seed, index, max_attempts=attempts)
                 found = to_json(compiled.simulation, compiled.attempts)
@@ -87,7 +87,7 @@ def same_scenes(machine: Scenario, found: Sequence[SceneRecord], seed: int, atte
 
 def same_law(scenario: Scenario, seed: int, attempts: int) -> None:
     """Raises `Differs` where scenes of the batch backend are not distributed as enumeration says, of a program that both can do."""
-    if scenario.not_lifted is not None or enumerated(scenario) is None:
+    if scenario.not_lifted is not None or enumerate_if_small(scenario) is None:
         return
     with suppress(AttemptsExhausted):
         scenes = scenario.sample_many(FOR_LAW, seed, max_attempts=attempts, backend="batch")

@@ -6,19 +6,19 @@ import json
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.conformance import Ourselves, load_vectors
 from scenic_ref.conformance.implementations.protocol import Task
 from scenic_ref.conformance.judge import Result
-from scenic_ref.conformance.reports import UNREACHABLE, report, rules_missing
-from scenic_ref.conformance.verdict import PASSED, errored, failed, skipped
+from scenic_ref.conformance.reports import UNREACHABLE, report_json, rules_missing
+from scenic_ref.conformance.verdict import PASSED, errored_verdict, failed_verdict, skipped_verdict
 from scenic_ref.semantics.rules import RULES
 
 VECTORS = load_vectors()
 
 
 def ask(capfd: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    code = answer(["conformance", *arguments])
+    code = run_command_line(["conformance", *arguments])
     out, err = capfd.readouterr()
     return code, out, err
 
@@ -120,9 +120,9 @@ def test_the_chapters_are_told_a_line_each(capfd: pytest.CaptureFixture[str]) ->
 
 def test_only_what_passed_shows_its_rules() -> None:
     vectors = [v for v in VECTORS if v.fires]
-    verdicts = (PASSED, failed("x"), skipped("y"), errored("z"))
+    verdicts = (PASSED, failed_verdict("x"), skipped_verdict("y"), errored_verdict("z"))
     results = [Result(v, "paper", verdicts[number % 4]) for number, v in enumerate(vectors)]
-    found = report("someone", results)
+    found = report_json("someone", results)
     assert found["totals"] == {s: sum(v.status == s for v in (r.verdict for r in results)) for s in ("passed", "failed", "skipped", "errored")}
     assert set(RULES) - {rule for r in results if r.verdict is PASSED for rule in r.vector.fires} >= set(rules_missing(results))
     assert rules_missing([]) != ()

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 from scenic_ref.api import Scenario, loads
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.conformance.diff import sequential_diff
 from scenic_ref.conformance.diff.simulation_differences import (
     Replayed,
@@ -23,7 +23,7 @@ from scenic_ref.conformance.diff.simulation_differences import (
 )
 from scenic_ref.conformance.implementations.line_process import ImplementationFault
 from scenic_ref.conformance.implementations.protocol import Task
-from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
+from scenic_ref.conformance.recorded_world import RecordedWorld, random_walk_world
 from scenic_ref.interpreter.language.dialects import DIALECTS
 from scenic_ref.semantics.readings import select
 from scenic_ref.semantics.store.errors import AttemptsExhausted
@@ -87,7 +87,7 @@ class Asking:
         return code, json.loads(lines[0])
 
     def said(self, *words: str) -> tuple[int, str, str]:
-        code = answer(["diff", *words])
+        code = run_command_line(["diff", *words])
         out, err = self.capfd.readouterr()
         return code, out, err
 
@@ -275,7 +275,7 @@ def test_the_looks_share_the_risk() -> None:
         return len(sizes) < 8
 
     program = sequential_diff.AskedProgram("p", sequential_diff.Task("", "paper"), lambda readings: loads("ego = Object"))
-    found = sequential_diff.looked(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
+    found = sequential_diff.sequential_verdict(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
     assert found.verdict == "inconclusive" and sum(alphas) <= settings.alpha and len(alphas) == 7
     assert sizes == [1, 100, 300, 900, 2700, 8100, 24300, 30000]
 
@@ -293,7 +293,7 @@ def test_readings_that_are_selected_explain_no_difference() -> None:
 
     other = SimpleNamespace(profile=select("scenic-2.1"))
     program = sequential_diff.AskedProgram("p", sequential_diff.Task("", "scenic-3"), load)  # type: ignore[arg-type]
-    found = sequential_diff.looked(program, load({}), other, sequential_diff.DiffSettings(0.01, 0.1, 0, 60.0, 1), lambda _: True, differ)  # type: ignore[arg-type]
+    found = sequential_diff.sequential_verdict(program, load({}), other, sequential_diff.DiffSettings(0.01, 0.1, 0, 60.0, 1), lambda _: True, differ)  # type: ignore[arg-type]
     selected = select("scenic-3")
     assert found.reading is None
     assert tried[1] == {id: one for id, one in select("scenic-2.1").items() if one != selected[id]}
@@ -302,8 +302,8 @@ def test_readings_that_are_selected_explain_no_difference() -> None:
 
 def test_the_recorded_world_is_the_same_for_every_run() -> None:
     scenario = loads("behavior B():\n    while True:\n        take self.position.x\nego = Object at 1 @ 2, with behavior B\n")
-    world = wandering(scenario.sample(0), 5, 7)
-    assert world == wandering(scenario.sample(0), 5, 7) != wandering(scenario.sample(0), 5, 8)
+    world = random_walk_world(scenario.sample(0), 5, 7)
+    assert world == random_walk_world(scenario.sample(0), 5, 7) != random_walk_world(scenario.sample(0), 5, 8)
     simulator = RecordedWorld(world)
     for index in range(2):  # the second begins at the beginning
         steps = scenario.simulate(simulator, 4, 0, index).simulation.moments
@@ -319,7 +319,7 @@ def replayed(text: str, **changes: object) -> Replayed:
     """The simulations of a program whose scenes are kept after a rejection, two of them for each simulation."""
     scenario = loads(text, readings={"rejected-simulation": "retry"})
     settings = sequential_diff.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200)._replace(**changes)
-    return Replayed(scenario, wandering(scenario.sample(0), 2, 7), settings)
+    return Replayed(scenario, random_walk_world(scenario.sample(0), 2, 7), settings)
 
 
 def test_simulations_that_are_tried_in_vain_are_no_difference() -> None:

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import pytest
 from scenic_ref.api import loads
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.cli.fuzz import seconds_in
 from scenic_ref.conformance.diff.sequential_diff import DiffSettings, ProgramVerdict
 from scenic_ref.conformance.fuzz import campaign
@@ -22,12 +22,12 @@ from scenic_ref.conformance.fuzz.examination import (
     OUR_FAULT,
     CampaignSettings,
     FuzzedProgram,
-    alike,
-    compared,
+    compare_program,
     examine,
+    is_same_difference,
     words_of,
 )
-from scenic_ref.conformance.fuzz.themed_programs import KINDS, THEMES, AimedWriter, aimed_program, invented
+from scenic_ref.conformance.fuzz.themed_programs import KINDS, THEMES, AimedWriter, aimed_program, generate_themed_program
 from scenic_ref.conformance.fuzz.triage import (
     CampaignFindings,
     findings_at,
@@ -83,15 +83,15 @@ def finding(number: int = 0, **changes: object) -> FuzzedProgram:
 
 
 def test_programs_are_functions_of_seed_and_number() -> None:
-    programs = [invented(4, number) for number in range(60)]
-    assert programs == [invented(4, number) for number in range(60)] != [invented(5, number) for number in range(60)]
+    programs = [generate_themed_program(4, number) for number in range(60)]
+    assert programs == [generate_themed_program(4, number) for number in range(60)] != [generate_themed_program(5, number) for number in range(60)]
     assert {program.theme for program in programs} == set(THEMES)
 
 
 def test_what_programs_are_about_takes_turns(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert all(Counter(invented(4, number).theme for number in range(start, start + 14)) == THEMES for start in (0, 14, 28))
+    assert all(Counter(generate_themed_program(4, number).theme for number in range(start, start + 14)) == THEMES for start in (0, 14, 28))
     monkeypatch.setattr(AimedWriter, "program", lambda writer, theme: f"{theme} of {len(writer.themes)}")
-    counts = Counter(program.text for number in range(7 * len(KINDS)) if (program := invented(4, number)).theme == "aimed")
+    counts = Counter(program.text for number in range(7 * len(KINDS)) if (program := generate_themed_program(4, number)).theme == "aimed")
     assert counts == {f"{theme} of 14": 3 for theme in range(14)}, "42 aimed ones: three turns"
     turns = [[aimed_program(4, number) for number in range(start, start + 14)] for start in (0, 14)]
     assert sorted(turns[0]) == sorted(turns[1]) and turns[0] != turns[1]
@@ -129,14 +129,14 @@ def test_aimed_programs_in_the_syntax_of_a_release_call_its_clock() -> None:
 ])
 def test_a_smaller_program_differs_alike_in_one_of_two_features(feature: str, kind: str, same: bool) -> None:
     larger = ProgramVerdict("p", "differ", "distribution", "different", 9.0, "objects[3].width & params.z")
-    assert alike(ProgramVerdict("p", "differ", kind, "different", 9.0, feature), larger) == same
+    assert is_same_difference(ProgramVerdict("p", "differ", kind, "different", 9.0, feature), larger) == same
 
 
 @pytest.mark.slow
 def test_a_planted_fault_is_found_and_made_small(tmp_path: Path) -> None:
     impl = other(tmp_path, refuses="mutate")
     settings = CampaignSettings(impl, seed=2, budget=2.0)
-    number = next(n for n in range(500) if "mutate" in invented(2, n).text and runs(invented(2, n).text))
+    number = next(n for n in range(500) if "mutate" in generate_themed_program(2, n).text and runs(generate_themed_program(2, n).text))
     with implementation(impl, 20.0, print) as there:
         found = examine(number, settings, there, frozenset())
         assert (found.verdict, found.kind, found.confirmed) == ("differ", "error", True) and "this is too much" in found.words
@@ -213,7 +213,7 @@ def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: p
     settings = CampaignSettings("broken", seed=5, budget=0.2, shrinking=0.0)
     chosen: dict[str, int] = {}
     for number in range(400):
-        text = invented(settings.seed, number).text
+        text = generate_themed_program(settings.seed, number).text
         way = ways[zlib.crc32(text.encode()) % len(ways)]
         if way not in chosen and "simulation" not in text and "dialect" not in text and accepts(text):
             chosen[way] = number
@@ -239,7 +239,7 @@ def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -
     settings = CampaignSettings(other(tmp_path), budget=1.0)
     text = "scenario Begin():\n    setup:\n        ego = Object\nscenario Main():\n    compose:\n        do Begin()\n"
     with implementation(settings.impl, 60.0, print) as there:
-        verdict = compared(text, there, settings, DiffSettings(1e-6, 0.3, 0, 1.0, 2))
+        verdict = compare_program(text, there, settings, DiffSettings(1e-6, 0.3, 0, 1.0, 2))
     assert verdict.kind == "error" and "the scene has no ego" in verdict.detail, verdict
 
 
@@ -312,19 +312,19 @@ def test_a_campaign_is_reported_and_goes_on(tmp_path: Path, capfd: pytest.Captur
     folder = tmp_path / "campaign"
     words = ["fuzz", "--impl", other(tmp_path, scene='scene["objects"][0]["width"] = 77'), "-o", str(folder), "--time", "1", "--workers", "1"]
     words += ["--shrinking", "1", "--budget", "1"]
-    code = answer(words)
+    code = run_command_line(words)
     out, err = capfd.readouterr()
     assert code in (0, 1) and re.search(r"[0-9] causes?[.,]", out), err
     lines = (folder / "campaign.jsonl").read_text().splitlines()
     assert len(lines) >= 2 and json.loads(lines[0])["implementation"] == "other 1"
-    assert answer(words) == 2 and "holds a campaign already" in capfd.readouterr()[1]
+    assert run_command_line(words) == 2 and "holds a campaign already" in capfd.readouterr()[1]
     with open(folder / "campaign.jsonl", "a") as journal:
         journal.write('{"number": 99')  # a line that was being written
-    assert answer([*words, "--resume"]) in (0, 1)
+    assert run_command_line([*words, "--resume"]) in (0, 1)
     capfd.readouterr()
     numbers = [json.loads(line)["number"] for line in (folder / "campaign.jsonl").read_text().splitlines()[1:]]
     assert numbers == list(range(len(numbers))) and len(numbers) >= len(lines)
-    assert answer([*words, "--resume", "--seed", "5"]) == 2 and "other settings" in capfd.readouterr()[1]
+    assert run_command_line([*words, "--resume", "--seed", "5"]) == 2 and "other settings" in capfd.readouterr()[1]
     ElementTree.parse(folder / "junit.xml")
     assert "<h1>other 1: " in (folder / "report.html").read_text()
     for found in (folder / "findings").glob("*.scenic"):
@@ -340,7 +340,7 @@ def test_lengths_of_time(text: str, seconds: float) -> None:
 def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     impl = other(tmp_path, scene='scene["objects"][0]["position"] = [77.0, 5.0]')
-    first = [number for number in range(40) if (text := invented(0, number).text).count("\n") < 9 and runs(text)][:2]
+    first = [number for number in range(40) if (text := generate_themed_program(0, number).text).count("\n") < 9 and runs(text)][:2]
     settings = CampaignSettings(impl, budget=1.0, shrinking=5.0)
     folder.mkdir()
     journal = campaign.Journal(folder / "campaign.jsonl", settings, "other 1", resume=False)
@@ -348,7 +348,7 @@ def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, cap
         for number in first:
             journal.add(examine(number, settings, there, frozenset()))
     words = ["fuzz", "--impl", impl, "-o", str(folder), "--resume", "--time", "0"]
-    assert answer(words) == 1
+    assert run_command_line(words) == 1
     capfd.readouterr()
     path = folder / "findings.toml"
     (found, *_) = before = findings_at(path)
@@ -356,13 +356,13 @@ def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, cap
     assert found.there and all(scene[0][:2] == (77.0, 5.0) for scene in found.there) and len(found.here) == len(found.there)
     text = path.read_text().replace('class = "undecided"\nwhy = ""', 'class = "bug"\nwhy = "it was moved"', 1)
     path.write_text(text)
-    assert answer(words) == 1
+    assert run_command_line(words) == 1
     assert "bug)" in capfd.readouterr()[0]
     assert path.read_text() == text and findings_at(path)[1:] == before[1:]
     page = (folder / "report.html").read_text()
     assert "<b>bug</b>: it was moved" in page and "data:image/png;base64," in page
     path.write_text(text.replace('class = "bug"', 'class = "bgu"'))
-    assert answer(words) == 2
+    assert run_command_line(words) == 2
     assert "findings.toml, finding 1: there is no class 'bgu': there are reading, bug" in capfd.readouterr()[1]
 
 
@@ -418,5 +418,5 @@ def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
     (["--profile", "nothing"], "nothing"), (["--alpha", "7"], "alpha is a probability"),
 ])
 def test_wrong_usage(words: list[str], said: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert answer(["fuzz", "--impl", other(tmp_path), "-o", str(tmp_path / "c"), *words]) == 2
+    assert run_command_line(["fuzz", "--impl", other(tmp_path), "-o", str(tmp_path / "c"), *words]) == 2
     assert said in capfd.readouterr()[1]

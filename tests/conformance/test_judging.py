@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.conformance import Ourselves, judge, known_differences, load_vectors, results
-from scenic_ref.conformance.diff.explanations import alike, explained
+from scenic_ref.conformance.diff.explanations import explain_failure, is_same_reason
 from scenic_ref.conformance.implementations import environments
 from scenic_ref.conformance.implementations.harness_client import External
 from scenic_ref.conformance.implementations.protocol import SceneRecord, Task
@@ -23,7 +23,7 @@ VECTORS = {v.name: v for v in load_vectors()}
 
 
 def ask(capfd: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    code = answer(["conformance", *arguments])
+    code = run_command_line(["conformance", *arguments])
     out, err = capfd.readouterr()
     return code, out, err
 
@@ -129,12 +129,12 @@ def test_lists_of_differences_are_read_strictly(case: str) -> None:
 ])  # fmt: skip
 def test_a_file_of_results_that_is_none_is_refused(text: str, words: str) -> None:
     with pytest.raises(UsageError) as raised:
-        results.read(text, "results.json")
+        results.parse_results(text, "results.json")
     assert words in str(raised.value)
 
 
 def test_the_list_that_ships_is_about_vectors_and_beside_the_results_that_ship() -> None:
-    shipped, kept = known_differences.shipped(), results.kept()
+    shipped, kept = known_differences.shipped_differences(), results.shipped_results()
     assert set(kept) == {"scenic 2.1.0", "scenic 3.1.1"}
     for name, lines in kept.items():
         listed = {v for d in shipped if name in d.implementations for v in d.vectors}
@@ -150,14 +150,14 @@ def test_the_example_of_the_documentation_is_a_list_of_differences() -> None:
 
 
 def test_the_differences_that_ship_name_vectors_that_are_there() -> None:
-    assert not {v for d in known_differences.shipped() for v in d.vectors} - VECTORS.keys()
+    assert not {v for d in known_differences.shipped_differences() for v in d.vectors} - VECTORS.keys()
 
 
 def test_differences_of_one_class_and_reason_are_one_cause_with_its_smallest_program_first() -> None:
     vectors = {vector.name: vector for vector in load_vectors()}
-    found = known_differences.causes(known_differences.shipped())
-    assert len({(cause.class_, cause.why, *cause.readings) for cause in found}) == len(found) < len(known_differences.shipped())
-    listed = {name for difference in known_differences.shipped() for name in difference.vectors}
+    found = known_differences.causes(known_differences.shipped_differences())
+    assert len({(cause.class_, cause.why, *cause.readings) for cause in found}) == len(found) < len(known_differences.shipped_differences())
+    listed = {name for difference in known_differences.shipped_differences() for name in difference.vectors}
     assert {name for cause in found for name in cause.smallest_first(vectors)} == listed
     for cause in found:
         first, *others = cause.smallest_first(vectors)
@@ -176,7 +176,7 @@ def test_scenes_look_different_if_one_side_has_none_or_they_stand_elsewhere() ->
 def test_results_are_the_same_without_addresses_and_places() -> None:
     vector = VECTORS["at-vector"]
     told = judge(Failing("at 0x7f12345678 (140170341771792) in /tmp/scenic-ref-1/x y"), vector)
-    assert results.line_of(told) == "errored: RuntimeError: at 0x... (0x...) in ... y"
+    assert results.verdict_line(told) == "errored: RuntimeError: at 0x... (0x...) in ... y"
 
 
 class Failing(Ourselves):
@@ -202,9 +202,9 @@ def test_the_reading_that_explains_a_difference_is_found(name: str) -> None:
     vector = VECTORS[name]
     verdict = vector.matcher.match(Under(id, alternative), vector.task(profile))
     assert verdict.status == "failed"
-    assert explained(vector, profile, verdict.reason, select(profile)) == {id: alternative}
-    assert explained(vector, profile, verdict.reason, select("paper")) is None
-    assert explained(vector, profile, "ego.position is [77, 77], not [0, 0]", select(profile)) is None
+    assert explain_failure(vector, profile, verdict.reason, select(profile)) == {id: alternative}
+    assert explain_failure(vector, profile, verdict.reason, select("paper")) is None
+    assert explain_failure(vector, profile, "ego.position is [77, 77], not [0, 0]", select(profile)) is None
 
 
 class Under(Ourselves):
@@ -218,11 +218,11 @@ class Under(Ourselves):
 
 
 def test_reasons_are_alike_by_their_values() -> None:
-    assert alike("ego.heading is 0.5, not 1.0", "ego.heading is 0.50000000001, not 1.0")
-    assert not alike("ego.heading is 0.5, not 1.0", "ego.heading is 0.6, not 1.0")
-    assert alike("refused in phase run: this", "refused: that") and not alike("refused: that", "ego.heading is 1, not 2")
-    assert not alike("refused instead of never accepted: a", "refused: b")
-    assert alike("params.x is 3, which is none of the outcomes", "params.x is 4, which is none of the outcomes")
+    assert is_same_reason("ego.heading is 0.5, not 1.0", "ego.heading is 0.50000000001, not 1.0")
+    assert not is_same_reason("ego.heading is 0.5, not 1.0", "ego.heading is 0.6, not 1.0")
+    assert is_same_reason("refused in phase run: this", "refused: that") and not is_same_reason("refused: that", "ego.heading is 1, not 2")
+    assert not is_same_reason("refused instead of never accepted: a", "refused: b")
+    assert is_same_reason("params.x is 3, which is none of the outcomes", "params.x is 4, which is none of the outcomes")
 
 
 def test_an_environment_is_made_once_and_whole_or_not_at_all(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.conformance.generator.dynamic_programs import dynamic_program
-from scenic_ref.conformance.implementations.reference import load
+from scenic_ref.conformance.implementations.reference import load_task
 from scenic_ref.conformance.vector_files import load_vectors
 from scenic_ref.inference import simulation_rejection
 from scenic_ref.semantics.store.errors import FuelExhausted, UsageError
@@ -95,7 +95,7 @@ def test_vectors() -> None:
             continue
         for dialect in vector.texts:
             try:
-                scenario = load(vector.task(dialect))
+                scenario = load_task(vector.task(dialect))
             except Exception:  # whatever a vector about errors raises where it is loaded
                 continue
             count += 1

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 
 from .conftest import Editor
 
@@ -435,8 +435,8 @@ def test_a_port_in_use_and_wrong_options_are_wrong_usage(capfd):
     with socket.socket() as used:
         used.bind(("127.0.0.1", 0))
         used.listen()
-        assert answer(["lsp", "--tcp", str(used.getsockname()[1])]) == 2
+        assert run_command_line(["lsp", "--tcp", str(used.getsockname()[1])]) == 2
     assert "cannot be used" in capfd.readouterr().err
-    assert answer(["lsp", "--stdio", "--tcp", "7000"]) == 2
-    assert answer(["lsp", "--limit-seconds", "none"]) == 2
-    assert answer(["lsp", "--tcp", "0"]) == 2
+    assert run_command_line(["lsp", "--stdio", "--tcp", "7000"]) == 2
+    assert run_command_line(["lsp", "--limit-seconds", "none"]) == 2
+    assert run_command_line(["lsp", "--tcp", "0"]) == 2

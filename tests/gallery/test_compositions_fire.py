@@ -11,7 +11,7 @@ import scenic_ref
 from scenic_ref.data.simulation import Simulated
 from scenic_ref.errors import AttemptsExhausted
 from scenic_ref.roads import Network
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.driving import default_network
 
@@ -53,7 +53,7 @@ def test_two_copies_of_a_scenario_have_their_own_gaps(simulator: str) -> None:
 
 
 def test_without_a_shoulder_the_precondition_rejects_every_run(tmp_path: Path) -> None:
-    (tmp_path / "bare.xodr").write_text(made("crossing", shoulders=False))
+    (tmp_path / "bare.xodr").write_text(generate_map("crossing", shoulders=False))
     program = "param map = localPath('bare.xodr')\n" + (FOLDER / "parked_cars.scenic").read_text("utf-8")
     with pytest.raises(AttemptsExhausted) as told:
         scenic_ref.loads(program, directory=tmp_path).simulate("kinematic", 5, max_attempts=20)
@@ -186,7 +186,7 @@ def test_the_choices_come_one_after_the_other(simulator: str) -> None:
 
 
 def test_a_disabled_scenario_is_never_chosen(tmp_path: Path) -> None:
-    (tmp_path / "bare.xodr").write_text(made("grid", rows=1, columns=2, shoulders=False, signals=True, crosswalks=True))
+    (tmp_path / "bare.xodr").write_text(generate_map("grid", rows=1, columns=2, shoulders=False, signals=True, crosswalks=True))
     scenario = scenic_ref.loads("param map = localPath('bare.xodr')\n" + only("choose RedLightRunner"), directory=tmp_path)
     found = {kinds(scenario.simulate("kinematic", 1, seed, max_attempts=50).simulation)[0] for seed in range(12)}
     assert found == {RUNNER, JAYWALKER}

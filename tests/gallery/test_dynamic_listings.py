@@ -6,8 +6,8 @@ from dataclasses import replace
 from itertools import combinations
 
 import pytest
-from scenic_ref.conformance.listings import LineOrigin, completed
-from scenic_ref.roads.map_generator import made
+from scenic_ref.conformance.listings import LineOrigin, complete_listings
+from scenic_ref.roads.map_generator import generate_map
 
 from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
 
@@ -35,7 +35,7 @@ def test_every_program_is_listed() -> None:
 def test_the_listings_stand_in_the_program_as_they_are_printed(file: str) -> None:
     text = (FOLDER / file).read_text("utf-8")
     listings = [LISTINGS[name] for name in BY_FILE[file].listings]
-    lines = completed(text, listings)
+    lines = complete_listings(text, listings)
     assert [line.text for line in lines] == text.splitlines()
     assert sum(line.origin is not LineOrigin.ADDED for line in lines) == sum(len(listing.lines) for listing in listings)
     assert all(("..." in line.printed) == (line.origin is LineOrigin.FILLED) for line in lines)
@@ -44,18 +44,18 @@ def test_the_listings_stand_in_the_program_as_they_are_printed(file: str) -> Non
             changed = [other.text for other in lines]
             changed[number] = changed[number].replace(line.text.strip(), f"{line.text.strip()}  # more")
             with pytest.raises(ValueError, match="as it is printed"):
-                completed("\n".join(changed), listings)
+                complete_listings("\n".join(changed), listings)
 
 
 def test_a_listing_may_not_be_indented_here_and_there() -> None:
     listing = replace(LISTINGS["wait until close"], printed="if a:\n    b\nc")
-    assert len(completed("  if a:\n      b\n  # between\n  c\n", [listing])) == 4
+    assert len(complete_listings("  if a:\n      b\n  # between\n  c\n", [listing])) == 4
     with pytest.raises(ValueError, match="wait until close"):
-        completed("  if a:\n      b\nc\n", [listing])
+        complete_listings("  if a:\n      b\nc\n", [listing])
 
 
 def test_the_long_street_is_one_of_the_writer() -> None:
-    street = made("crossing", lanes=2, leg=400.0, shoulders=True, shoulder_width=2.5, signals=True, crosswalks=True)
+    street = generate_map("crossing", lanes=2, leg=400.0, shoulders=True, shoulder_width=2.5, signals=True, crosswalks=True)
     assert (FOLDER / "avenue.xodr").read_text("utf-8") == street
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.cli.error_messages import report
+from scenic_ref.cli.error_messages import report_error
 from scenic_ref.cli.session import Session
 from scenic_ref.errors import ProgramError
 from scenic_ref.interpreter.runtime.limits import Limits
@@ -75,7 +75,7 @@ def test_geos_without_memory_is_an_error_within_the_walls(monkeypatch, capfd):
             timed("reading a map")(no_memory)()
     finally:
         WALL.open()
-    assert report(OF_GEOS, Session()) == 1
+    assert report_error(OF_GEOS, Session()) == 1
     assert "more memory" in capfd.readouterr().err
 
 

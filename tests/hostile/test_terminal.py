@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
-from scenic_ref.cli import answer, scene_outputs
+from scenic_ref.cli import run_command_line, scene_outputs
 from scenic_ref.cli.error_messages import render
-from scenic_ref.cli.session import escaped
+from scenic_ref.cli.session import escape_controls
 from scenic_ref.semantics.store.errors import RunError
 from scenic_ref.semantics.syntax.nodes import Span
 
@@ -38,7 +38,7 @@ def test_no_control_character_is_told(name, command, tmp_path, monkeypatch, capf
     monkeypatch.chdir(tmp_path)
     path = f"{ESC.replace('/', '')}{name}.scenic"
     Path(path).write_text(PROGRAMS[name])
-    answer([command[0], path, *command[1:]])
+    run_command_line([command[0], path, *command[1:]])
     out, err = capfd.readouterr()
     assert not [c for c in CONTROL if c in err]
     assert not [c for c in CONTROL if c in out]
@@ -70,7 +70,7 @@ def test_carets_stand_below_what_is_shown():
 
 
 def test_ordinary_text_stays():
-    assert escaped("naïve\tx\nÄ 字 👩‍🚀") == "naïve\tx\nÄ 字 👩‍🚀"
+    assert escape_controls("naïve\tx\nÄ 字 👩‍🚀") == "naïve\tx\nÄ 字 👩‍🚀"
 
 
 # Links
@@ -84,7 +84,7 @@ def test_of_a_file_behind_a_link_that_is_no_program_only_the_name_is_told(text, 
     (inside / "away.scenic").symlink_to(tmp_path / "secret.txt")
     (inside / "p.scenic").write_text(f"{text}\nego = Object\n")
     monkeypatch.chdir(inside)
-    assert answer(["run", "p.scenic"]) == 1
+    assert run_command_line(["run", "p.scenic"]) == 1
     _, err = capfd.readouterr()
     assert "away is a link to a file outside the program's folder" in err
     assert "root" not in err and "secret" not in err
@@ -97,7 +97,7 @@ def test_a_program_behind_a_link_is_imported(tmp_path, monkeypatch, capfd):
     (inside / "away.scenic").symlink_to(tmp_path / "lib.scenic")
     (inside / "p.scenic").write_text("from away import x\nfrom ..lib import *\nego = Object with v x\n")
     monkeypatch.chdir(inside)
-    assert answer(["run", "p.scenic"]) == 0
+    assert run_command_line(["run", "p.scenic"]) == 0
 
 
 # Two processes
@@ -111,10 +111,10 @@ def test_a_file_that_another_process_writes_is_refused_and_left_alone(tmp_path, 
         Path("x.jsonl").write_text("precious\n")
         with open("x.jsonl") as other:
             fcntl.flock(other, fcntl.LOCK_EX)
-            assert answer([*command, "-o", "x.jsonl"]) == 2
+            assert run_command_line([*command, "-o", "x.jsonl"]) == 2
         assert "x.jsonl is being written by another process" in capfd.readouterr().err
         assert Path("x.jsonl").read_text() == "precious\n"
-    assert answer(["run", "p.scenic", "-n", "3", "-o", "x.jsonl"]) == 0
+    assert run_command_line(["run", "p.scenic", "-n", "3", "-o", "x.jsonl"]) == 0
 
 
 @pytest.mark.slow

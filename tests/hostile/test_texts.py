@@ -6,7 +6,7 @@ import json
 
 import pytest
 import scenic_ref
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.inference.batch import Batch
 from scenic_ref.semantics.store.errors import RunError, ScenicError, UncaughtException
 
@@ -16,12 +16,12 @@ HALF = "ego = Object at (Range(0, 1), 0)\nparam x = 'a\\ud800\u00e9', y = {'\\ud
 def test_half_a_character_is_written_as_json_has_it(tmp_path, capfd):
     (tmp_path / "p.scenic").write_text(HALF)
     for arguments in (["run", "-n", "3", "-o", str(tmp_path / "x.jsonl")], ["run", "-n", "3", "-o", str(tmp_path / "x.npz")], ["run", "-n", "1", "-o", "-"]):
-        assert answer([arguments[0], str(tmp_path / "p.scenic"), *arguments[1:]]) == 0
+        assert run_command_line([arguments[0], str(tmp_path / "p.scenic"), *arguments[1:]]) == 0
     line = (tmp_path / "x.jsonl").read_text(encoding="utf-8").splitlines()[0]
     assert "a\\ud800\u00e9" in line
     assert json.loads(line)["params"] == {"x": "a\ud800\u00e9", "y": {"\udfff": 1}}
     capfd.readouterr()
-    assert answer(["trace", str(tmp_path / "p.scenic"), "--html", str(tmp_path / "x.html")]) == 0
+    assert run_command_line(["trace", str(tmp_path / "p.scenic"), "--html", str(tmp_path / "x.html")]) == 0
 
 
 def test_columns_write_it_alike():

@@ -25,7 +25,7 @@ def file(road: str = ROAD, *, link: str = "", shape: str = "<line/>", lanes: str
 
 
 def test_the_file_without_faults_loads() -> None:
-    network = network_of(opendrive.read(file()))
+    network = network_of(opendrive.parse_opendrive(file()))
     assert (len(network.roads), len(network.lanes), len(network.sidewalks), network.warnings) == (1, 2, 1, ())
     assert network.drivableRegion.measure() == pytest.approx(700, rel=1e-4)
 
@@ -64,7 +64,7 @@ STRANGE: dict[str, tuple[bytes, str]] = {
 @pytest.mark.parametrize("name", STRANGE)
 def test_what_is_strange_is_noted_and_a_fault(name: str) -> None:
     data, note = STRANGE[name]
-    network = network_of(opendrive.read(data))
+    network = network_of(opendrive.parse_opendrive(data))
     assert [line for line in network.warnings if line.startswith(note)]
     assert [line for line in faults(network) if line.startswith(note)]
 
@@ -76,7 +76,7 @@ LINKED = LANES.replace("<link/>", '<link><predecessor id="1"/><successor id="1"/
 
 def in_sections(lanes: str, *starts: float) -> Network:
     """The map of a road whose lane sections, all alike, begin there."""
-    return network_of(opendrive.read(file(lanes="".join(lanes.replace('s="0"', f's="{start}"', 1) for start in starts))))
+    return network_of(opendrive.parse_opendrive(file(lanes="".join(lanes.replace('s="0"', f's="{start}"', 1) for start in starts))))
 
 
 def test_lanes_that_are_not_linked_to_those_of_the_next_section_are_a_fault() -> None:
@@ -97,18 +97,18 @@ def test_lanes_go_on_across_a_section_of_micrometres(length: float) -> None:
 
 def test_heights_are_noted_and_no_fault() -> None:
     hilly = ROAD.replace("<lanes>", '<elevationProfile><elevation s="0" a="3" b="0.1" c="0" d="0"/></elevationProfile><lanes>')
-    network = network_of(opendrive.read(file(hilly)))
+    network = network_of(opendrive.parse_opendrive(file(hilly)))
     assert network.warnings == ("roads with heights or superelevation, which the plane does not have: road 7",)
     assert not list(faults(network))
 
 
 def test_the_rule_of_traffic_is_read_in_small_letters() -> None:
-    assert network_of(opendrive.read(file(ROAD.replace('junction="-1"', 'junction="-1" rule="lht"')))).driveOnLeft
+    assert network_of(opendrive.parse_opendrive(file(ROAD.replace('junction="-1"', 'junction="-1" rule="lht"')))).driveOnLeft
 
 
 def test_a_map_without_lanes_says_what_was_strange_about_it() -> None:
     with pytest.raises(MapError, match=r"no lanes on which to drive; lanes that are less than 0 m wide: road 7 lane 1, road 7 lane -1"):
-        network_of(opendrive.read(file().replace(b'a="3.5"', b'a="-3.5"')))
+        network_of(opendrive.parse_opendrive(file().replace(b'a="3.5"', b'a="-3.5"')))
 
 
 MESSAGES: dict[str, tuple[bytes, str]] = {
@@ -184,14 +184,14 @@ NOTES: dict[str, tuple[bytes, str]] = {
 @pytest.mark.parametrize("strange", NOTES)
 def test_a_strange_file_loads_with_notes(strange: str) -> None:
     data, note = NOTES[strange]
-    assert network_of(opendrive.read(data)).warnings == (note,)
+    assert network_of(opendrive.parse_opendrive(data)).warnings == (note,)
 
 
 def test_a_gap_between_linked_lanes_is_counted() -> None:
     link = '<link><successor elementType="road" elementId="8" contactPoint="start"/></link>'
     linked = LANES.replace('<lane id="-1" type="driving">', '<lane id="-1" type="driving"><link><successor id="-1"/></link>')
     other = ROAD.replace('id="7"', 'id="8"').replace('x="0"', 'x="100.5"').format(link="", shape="<line/>", lanes=LANES)
-    network = network_of(opendrive.read(file(link=link, lanes=linked, more=other)))
+    network = network_of(opendrive.parse_opendrive(file(link=link, lanes=linked, more=other)))
     assert network.warnings == ("joints of lanes that are further apart than 1 cm: road 7 lane -1 to road 8 lane -1 (0.50 m)",)
     [straight] = network.laneAt((50, -1)).maneuvers  # type: ignore[union-attr]
     assert (straight.type.name, straight.endLane.road.id, straight.connectingLane) == ("STRAIGHT", "8", None)
@@ -211,7 +211,7 @@ def degenerate() -> list[tuple[str, Callable[[bytes], bytes]]]:
 @pytest.mark.parametrize(("name", "change"), degenerate(), ids=lambda v: v if isinstance(v, str) else "")
 def test_degenerate_shapes_are_a_map_or_a_message(name: str, change: Callable[[bytes], bytes]) -> None:
     try:
-        network = network_of(opendrive.read(change(file())))
+        network = network_of(opendrive.parse_opendrive(change(file())))
     except MapError as problem:
         assert problem.message
     else:
@@ -221,8 +221,8 @@ def test_degenerate_shapes_are_a_map_or_a_message(name: str, change: Callable[[b
 @pytest.mark.parametrize("shape", ['<arc curvature="50"/>', '<spiral curvStart="0" curvEnd="1000000"/>', '<spiral curvStart="-50" curvEnd="0"/>'])
 def test_a_road_that_turns_without_end_is_refused(shape: str) -> None:
     with pytest.raises(MapError, match="turns more than 64 times"):
-        opendrive.read(file(shape=shape))
+        opendrive.parse_opendrive(file(shape=shape))
 
 
 def test_a_map_whose_roads_all_belong_to_a_junction_is_read() -> None:
-    assert not network_of(opendrive.read(file(ROAD.replace('junction="-1"', 'junction="4"')))).roads
+    assert not network_of(opendrive.parse_opendrive(file(ROAD.replace('junction="-1"', 'junction="4"')))).roads

@@ -16,7 +16,7 @@ import pytest
 from scenic_ref.conformance.implementations.environments import MADE, Release, make
 from scenic_ref.interpreter.runtime.cache_folders import cache_place
 from scenic_ref.roads import read_map
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.network import Lane, LaneSection, Network
 from scenic_ref.semantics.store.errors import UsageError
 
@@ -99,7 +99,7 @@ def compared(paths: list[Path]) -> Iterator[tuple[Path, Contacts, Contacts]]:
 def test_the_lanes_meet_as_another_reader_says(tmp_path: Path):
     paths = [tmp_path / f"{number}.xodr" for number in range(len(MAPS))]
     for path, (kind, parameters) in zip(paths, MAPS, strict=True):
-        path.write_text(made(kind, **parameters))
+        path.write_text(generate_map(kind, **parameters))
     lanes = 0
     for _, ours, theirs in compared(paths):
         assert ours == theirs

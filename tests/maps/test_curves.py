@@ -74,7 +74,7 @@ def test_param_poly3(arc_length: bool) -> None:
 def test_between_sampled_points_the_curve_is_straight_within_what_is_promised(name: str) -> None:
     piece = Piece(5.0, 0.0, 0.0, 0.0, LENGTH, kind_of(name), PIECES[name])
     for width in (0.0, 8.0):
-        s = reference_lines.sampled([piece], width)
+        s = reference_lines.sample_distances([piece], width)
         assert (s[0], s[-1]) == (5.0, 5.0 + LENGTH)
         for a, b in pairwise(s):
             x, y, direction = reference_lines.points(piece, np.linspace(a, b, 9) - 5.0)

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 
 import pytest
-from scenic_ref.roads.map_generator import KINDS, made
+from scenic_ref.roads.map_generator import KINDS, generate_map
 
 from .walked import DRIVEN, METRES, RADIANS, Map, after, ends_of, largest_gap
 
@@ -41,14 +41,14 @@ EACH = pytest.mark.parametrize("kind, parameters", CASES, ids=str)
 @pytest.mark.sampled(8)
 @EACH
 def test_linked_lanes_meet_within_a_millimetre(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     assert list(read.joints())
     assert largest_gap(read) < METRES
 
 
 @pytest.mark.parametrize("attribute, by", [("x", 2 * METRES), ("y", 2 * METRES), ("hdg", 2 * RADIANS)])
 def test_what_does_not_meet_is_found(attribute: str, by: float):
-    read = Map(made("crossing"))
+    read = Map(generate_map("crossing"))
     geometry = read.roads[501].find("planView/geometry")
     assert geometry is not None
     geometry.set(attribute, str(float(geometry.get(attribute, "")) + by))
@@ -63,7 +63,7 @@ def test_what_does_not_meet_is_found(attribute: str, by: float):
 @pytest.mark.sampled(8)
 @EACH
 def test_junctions_connect_what_their_roads_do(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     mouths = set(read.mouths())
     inside = {int(road.get("id", "")): int(road.get("junction", "")) for road in read.roads.values() if road.get("junction") != "-1"}
     connected = []
@@ -83,7 +83,7 @@ def test_junctions_connect_what_their_roads_do(kind: str, parameters: dict[str, 
 @EACH
 def test_every_lane_goes_on_and_comes_from_somewhere_at_junctions(kind: str, parameters: dict[str, float]):
     """So do sidewalks, round corners, once each."""
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     met = Counter(end for joint in read.joints() for end in joint[1:])
     for _, road, contact in read.mouths():
         for id, lane in read.sections[road][-1 if contact == "end" else 0].items():
@@ -96,7 +96,7 @@ def test_every_lane_goes_on_and_comes_from_somewhere_at_junctions(kind: str, par
 @pytest.mark.sampled(8)
 @EACH
 def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     for id, road in read.roads.items():
         if road.get("junction") != "-1":
             one, other = ends_of(read, id)
@@ -107,7 +107,7 @@ def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameter
 @pytest.mark.sampled(8)
 @EACH
 def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     valid = set()
     for id, road in read.roads.items():
         for signal in road.iter("signal"):
@@ -129,7 +129,7 @@ def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, paramete
 @pytest.mark.sampled(8)
 @EACH
 def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     found = Counter()
     for id, road in read.roads.items():
         for crosswalk in road.iter("object"):
@@ -147,7 +147,7 @@ def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters:
 @pytest.mark.sampled(8)
 @EACH
 def test_bounds_hold_the_map(kind: str, parameters: dict[str, float]):
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     header = read.root.find("header")
     assert header is not None
     north, south, east, west = (float(header.get(side, "")) for side in ("north", "south", "east", "west"))
@@ -178,7 +178,7 @@ def test_bounds_hold_the_map(kind: str, parameters: dict[str, float]):
 def test_numbers_of_roads_and_turns(
     kind: str, parameters: dict[str, float], roads: int, junctions: int, left: int, straight: int, right: int
 ):  # fmt: skip
-    read = Map(made(kind, **parameters))
+    read = Map(generate_map(kind, **parameters))
     inside = [id for id, road in read.roads.items() if road.get("junction") != "-1"]
     ways = [0 if not any(lane.type == "driving" for lane in read.sections[id][0].values()) else read.turned(id) for id in inside]
     turns = Counter("left" if turn > math.radians(20) else "right" if turn < -math.radians(20) else "straight" for turn in ways)
@@ -188,7 +188,7 @@ def test_numbers_of_roads_and_turns(
 
 @pytest.mark.parametrize("seed", range(5))
 def test_suburbs_have_dead_ends_and_junctions_of_three_and_four_and_bends(seed: int):
-    read = Map(made("suburb", seed=seed))
+    read = Map(generate_map("suburb", seed=seed))
     legs = Counter(Counter(junction for junction, _, _ in read.mouths()).values())
     assert legs.keys() == {3, 4}
     own = [road for road in read.roads.values() if road.get("junction") == "-1"]
@@ -197,7 +197,7 @@ def test_suburbs_have_dead_ends_and_junctions_of_three_and_four_and_bends(seed: 
 
 
 def test_lanes_of_ramps_end_and_begin_without_a_width():
-    read = Map(made("highway", lanes=2))
+    read = Map(generate_map("highway", lanes=2))
     sections = read.sections[2]
     assert [[lane.type for id, lane in section.items() if id < -3] for section in sections] == [
         ["entry", "shoulder"], ["entry", "shoulder"], ["shoulder"], ["exit", "shoulder"], ["exit", "shoulder"]
@@ -215,7 +215,7 @@ def test_lanes_of_ramps_end_and_begin_without_a_width():
 
 
 def test_traffic_on_the_left_is_the_mirror_image():
-    right, left = Map(made("suburb", shoulders=True)), Map(made("suburb", shoulders=True, left_hand=True))
+    right, left = Map(generate_map("suburb", shoulders=True)), Map(generate_map("suburb", shoulders=True, left_hand=True))
     assert (right.rule, left.rule) == ("RHT", "LHT")
     for id in right.roads:
         for lane in right.sections[id][0]:
@@ -227,11 +227,11 @@ def test_traffic_on_the_left_is_the_mirror_image():
 @pytest.mark.sampled(8)
 @EACH
 def test_equal_parameters_give_equal_bytes(kind: str, parameters: dict[str, float]):
-    assert made(kind, **parameters) == made(kind, **parameters)
+    assert generate_map(kind, **parameters) == generate_map(kind, **parameters)
 
 
 def test_seeds_give_different_suburbs():
-    assert len({made("suburb", seed=seed) for seed in range(10)}) == 10
+    assert len({generate_map("suburb", seed=seed) for seed in range(10)}) == 10
 
 
 @pytest.mark.parametrize("kind, parameters, message", [
@@ -259,8 +259,8 @@ def test_seeds_give_different_suburbs():
 ])  # fmt: skip
 def test_wrong_parameters_are_refused_with_what_is_allowed(kind: str, parameters: dict[str, object], message: str):
     with pytest.raises(ValueError, match=message):
-        made(kind, **parameters)  # type: ignore[arg-type]
+        generate_map(kind, **parameters)  # type: ignore[arg-type]
 
 
 def test_whole_numbers_are_lengths_too():
-    assert made("crossing", leg=80) == made("crossing", leg=80.0)
+    assert generate_map("crossing", leg=80) == generate_map("crossing", leg=80.0)

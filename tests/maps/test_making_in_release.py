@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.interpreter.runtime.cache_folders import cache_place
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 
 from .test_making import CASES
 from .walked import DRIVEN, Map, ends_of
@@ -53,7 +53,7 @@ def expected(read: Map, signals: bool) -> dict[str, object]:
 def test_the_release_finds_the_roads_and_turns_that_were_meant(tmp_path: Path):
     if not PYTHON.exists():
         pytest.skip("this system has no environment of scenic 3.1.1")
-    texts = [made(kind, **parameters) for kind, parameters in RIGHT]
+    texts = [generate_map(kind, **parameters) for kind, parameters in RIGHT]
     paths = [tmp_path / f"{index}.xodr" for index in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
         path.write_text(text)

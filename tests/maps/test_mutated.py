@@ -8,14 +8,14 @@ from collections import Counter
 
 import pytest
 from scenic_ref.roads import MapError, opendrive
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.map_summary import faults, summary
 from scenic_ref.roads.network_builder import network_of
 
 WORDS = (b"", b"nan", b"inf", b"-1", b"0", b"1e308", b"-1e9", b"1e-12", b"x", b"999999", b"start", b"end", b"junction", b"driving", b"9" * 50)
 MAPS = [
-    made("crossing", lanes=2, shoulders=True, bike_lanes=True, signals=True, crosswalks=True).encode(), made("highway").encode(),
-    made("suburb", rows=2, columns=2, signals=True).encode(),
+    generate_map("crossing", lanes=2, shoulders=True, bike_lanes=True, signals=True, crosswalks=True).encode(), generate_map("highway").encode(),
+    generate_map("suburb", rows=2, columns=2, signals=True).encode(),
 ]  # fmt: skip
 COUNT = 300
 
@@ -47,7 +47,7 @@ def changed(data: bytes, chance: random.Random) -> bytes:
 def outcome(data: bytes) -> str:
     """What became of a file."""
     try:
-        network = network_of(opendrive.read(data))
+        network = network_of(opendrive.parse_opendrive(data))
     except MapError as problem:
         assert problem.message
         return "message"

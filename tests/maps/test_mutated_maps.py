@@ -23,7 +23,7 @@ import pytest
 import scenic_ref
 from scenic_ref.roads import map_cache, opendrive
 from scenic_ref.roads.geodata import read_site, site_from
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.network_builder import network_of
 from scenic_ref.roads.xml_elements import MapError
 from scenic_ref.semantics.store import errors
@@ -79,7 +79,7 @@ def with_cache(data: bytes) -> None:
         place.write_bytes(hashlib.blake2b(data).digest() + data)
         arrays = map_cache.arrays_in(place)
         try:
-            map_cache.unpacked(arrays or {})
+            map_cache.unpack_shapes(arrays or {})
         except map_cache.FAULTS:
             raise MapError("forged") from None
 
@@ -90,12 +90,12 @@ def kept() -> bytes:
 
     shapes = [shapely.box(0, 0, 1, 1), shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(5, 5, 6, 6)]), shapely.Point(1, 2), shapely.LineString([(0, 0), (1, 1)])]
     buffer = io.BytesIO()
-    np.savez(buffer, **map_cache.packed(shapes))  # type: ignore[arg-type]
+    np.savez(buffer, **map_cache.pack_shapes(shapes))  # type: ignore[arg-type]
     return buffer.getvalue()
 
 
 PARSERS: Mapping[str, tuple[Callable[[], bytes], Callable[[bytes], object]]] = {
-    "opendrive": (lambda: made("t").encode(), lambda data: network_of(opendrive.read(data))),
+    "opendrive": (lambda: generate_map("t").encode(), lambda data: network_of(opendrive.parse_opendrive(data))),
     "geojson": (lambda: json.dumps({"type": "FeatureCollection", "crs": None, "features": FEATURES}).encode(), lambda data: site_from(data, False, None)),
     "wkt": (lambda: WKT.encode(), lambda data: site_from(data, True, "metres")),
     "shapefile": (lambda: b"\x00" + shapefiles()["shp"], with_shapefile),
@@ -211,7 +211,7 @@ def test_a_forged_file_of_shapes_is_not_believed():
         inner = struct.pack("<bII", 1, 6, 1) + inner if len(inner) < 2_000_000 else inner
     arrays = {"shapes": np.frombuffer(inner, dtype=np.uint8), "sizes": np.array([len(inner)])}
     with pytest.raises(ValueError, match="own kind"):
-        map_cache.unpacked(arrays)
+        map_cache.unpack_shapes(arrays)
 
 
 if __name__ == "__main__":

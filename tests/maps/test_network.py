@@ -10,7 +10,7 @@ from functools import cache
 
 import pytest
 from scenic_ref.roads import Network, made_map, opendrive
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.map_summary import faults, summary
 from scenic_ref.roads.network_builder import network_of
 from scenic_ref.semantics.space.absence import Absent
@@ -230,11 +230,11 @@ def test_sections_and_lane_groups_end_at_intersections() -> None:
 
 
 def test_signals_for_the_lane_0_alone_stand_at_a_road_and_are_not_for_it() -> None:
-    text = made("crossing", signals=True)
-    found = network_of(opendrive.read(text.encode()))
+    text = generate_map("crossing", signals=True)
+    found = network_of(opendrive.parse_opendrive(text.encode()))
     assert all(len(road.signals) == 1 for road in found.roads)
     valid = re.compile(r'(<signal .*?<validity fromLane=")-?\d+(" toLane=")-?\d+', re.DOTALL)
-    changed = network_of(opendrive.read(valid.sub(r"\g<1>0\g<2>0", text).encode()))
+    changed = network_of(opendrive.parse_opendrive(valid.sub(r"\g<1>0\g<2>0", text).encode()))
     assert len(changed.signals) == 4 and not any(road.signals for road in changed.roads)
     [intersection] = changed.intersections
     assert len(intersection.signals) == 4  # its own roads refer to them

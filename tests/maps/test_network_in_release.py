@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.roads import read_map
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.map_summary import faults
 
 from . import described
@@ -139,7 +139,7 @@ def test_networks_are_those_of_the_release_but_for_what_is_explained(tmp_path: P
     asked: dict[str, dict[str, object]] = {}
     for number, (kind, parameters) in enumerate(MAPS):
         path = tmp_path / f"{number}.xodr"
-        path.write_text(made(kind, **parameters))
+        path.write_text(generate_map(kind, **parameters))
         network = read_map(path)
         assert list(faults(network)) == []
         lanes, anywhere = points_of(network, draw)

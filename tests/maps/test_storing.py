@@ -20,13 +20,13 @@ import shapely
 from scenic_ref.interpreter.runtime import cache_folders
 from scenic_ref.roads import map_cache, network_arrays, opendrive
 from scenic_ref.roads.immutable import Fixed
-from scenic_ref.roads.map_generator import KINDS, made
+from scenic_ref.roads.map_generator import KINDS, generate_map
 from scenic_ref.roads.network import Network
-from scenic_ref.roads.network_builder import TOLERANCE, kept, network_from, network_of
+from scenic_ref.roads.network_builder import TOLERANCE, cached_network, network_from, network_of
 
 ALL = {"sidewalks": True, "shoulders": True, "bike_lanes": True, "signals": True, "crosswalks": True}
 CASES = [*[(kind, {}) for kind in KINDS], *[(kind, {**ALL, "lanes": 2, "left_hand": True}) for kind in KINDS if kind != "highway"]]
-MAP = made("crossing", **ALL).encode()
+MAP = generate_map("crossing", **ALL).encode()
 PROGRAM = "model scenic.domains.driving.model\nego = Car\nCar on road, with requireVisible False\n"
 
 
@@ -35,13 +35,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache directory for maps of any size."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(map_cache, "SMALLEST", 0)
-    kept.cache_clear()
+    cached_network.cache_clear()
     return tmp_path / "scenic-ref" / "maps"
 
 
 def again(source: bytes, tolerance: float = TOLERANCE) -> Network:
     """A network as another process would get it."""
-    kept.cache_clear()
+    cached_network.cache_clear()
     return network_from(source, tolerance)
 
 
@@ -75,8 +75,8 @@ def in_full(network: Network) -> list[object]:
 
 @pytest.mark.parametrize(("kind", "parameters"), CASES)
 def test_what_is_read_is_what_was_made(kind, parameters):
-    source = made(kind, **parameters).encode()
-    network = network_of(opendrive.read(source), TOLERANCE)
+    source = generate_map(kind, **parameters).encode()
+    network = network_of(opendrive.parse_opendrive(source), TOLERANCE)
     assert in_full(network_arrays.NetworkReader(network_arrays.NetworkWriter().arrays(network)).network()) == in_full(network)
 
 
@@ -84,7 +84,7 @@ def test_another_process_reads_no_map(folder, monkeypatch):
     first = network_from(MAP)
     cells = first.roadDirection.cells
     assert len(list(folder.iterdir())) == 2
-    monkeypatch.setattr(opendrive, "read", lambda _: pytest.fail("the map is read"))
+    monkeypatch.setattr(opendrive, "parse_opendrive", lambda _: pytest.fail("the map is read"))
     monkeypatch.setattr(Network, "direction_cells", lambda _: pytest.fail("the field is made"))
     second = again(MAP)
     assert second is not first and in_full(second) == in_full(first)
@@ -96,7 +96,7 @@ def test_scenes_are_the_same(folder):
     Path(folder.parent.parent, "town.xodr").write_bytes(MAP)
 
     def lines() -> list[str]:
-        kept.cache_clear()
+        cached_network.cache_clear()
         scenario = scenic_ref.loads("param map = localPath('town.xodr')\n" + PROGRAM, directory=folder.parent.parent)
         return [scene.to_json() for scene in scenario.sample_many(20, seed=3)]
 
@@ -186,7 +186,7 @@ def objects(*what: object) -> np.ndarray:
     return np.frombuffer(json.dumps(what).encode(), dtype=np.uint8)
 
 
-NOTHING = {"points": np.empty((0, 2)), **map_cache.packed([])}
+NOTHING = {"points": np.empty((0, 2)), **map_cache.pack_shapes([])}
 FORGED = [
     {}, np.zeros(3), {"objects": np.array([Harmful()], dtype=object)}, {"objects": objects()}, {**NOTHING, "objects": objects()},
     {**NOTHING, "objects": objects(["Car", {}])}, {**NOTHING, "objects": objects(["Lane", {}])}, {**NOTHING, "objects": objects(1)},
@@ -220,13 +220,13 @@ def test_nothing_half_written_is_left(folder, monkeypatch, stop):
 
 def test_where_nothing_can_be_written_nothing_is_kept(folder, monkeypatch):
     Path(folder.parent.parent, "scenic-ref").write_text("")
-    assert in_full(again(MAP)) == in_full(network_of(opendrive.read(MAP), TOLERANCE))
+    assert in_full(again(MAP)) == in_full(network_of(opendrive.parse_opendrive(MAP), TOLERANCE))
 
 
 def test_what_was_not_used_for_longest_goes_first(folder, monkeypatch):
     monkeypatch.setattr(map_cache, "MOST", 3)
     sources = [MAP + b"\n" * k for k in range(4)]
-    places = [map_cache.place_of("network", source, TOLERANCE) for source in sources]
+    places = [map_cache.map_cache_path("network", source, TOLERANCE) for source in sources]
     for k in range(3):
         again(sources[k])
         os.utime(places[k], (k, k))
@@ -276,4 +276,4 @@ def test_processes_may_write_at_the_same_time(folder):
         begin = manager.Barrier(4)
         told = [one.result() for one in [pool.submit(written_by_another, begin, str(folder.parent.parent)) for _ in range(4)]]
     assert len(set(told)) == 1 and sorted(place.suffix for place in folder.iterdir()) == [".map", ".map"]
-    assert in_full(again(MAP)) == in_full(network_of(opendrive.read(MAP), TOLERANCE))
+    assert in_full(again(MAP)) == in_full(network_of(opendrive.parse_opendrive(MAP), TOLERANCE))

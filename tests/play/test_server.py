@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 
 import pytest
 import scenic_ref
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.playground.json_views import IN_PAGE
 
 pytestmark = pytest.mark.extra("play")
@@ -435,7 +435,7 @@ def test_no_process_is_left_however_the_server_ends(serve, how):
 
 def test_a_port_that_is_taken_is_told(served, capfd):
     port = served.address.split(":")[2].split("/")[0]
-    assert answer(["play", "--no-browser", "--port", port]) == 2
+    assert run_command_line(["play", "--no-browser", "--port", port]) == 2
     assert f"port {port} cannot be used" in capfd.readouterr().err
 
 
@@ -444,7 +444,7 @@ def test_a_port_that_is_taken_is_told(served, capfd):
 )
 def test_wrong_usage_is_told(capfd, tmp_path, monkeypatch, arguments, said):
     monkeypatch.chdir(tmp_path)
-    assert answer(["play", "--no-browser", *arguments]) == 2
+    assert run_command_line(["play", "--no-browser", *arguments]) == 2
     assert said in capfd.readouterr().err
 
 

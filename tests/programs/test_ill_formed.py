@@ -11,7 +11,7 @@ from hypothesis import given
 from scenic_ref.api import Scenario, loads
 from scenic_ref.conformance.generator import ProgramSettings, SeededChoices, generate
 from scenic_ref.conformance.generator.hypothesis_strategies import ill_formed_programs
-from scenic_ref.conformance.generator.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, IllFormed, Mistake, planted, right
+from scenic_ref.conformance.generator.mistakes import FUEL, MISPLACED, MISTAKES, UNREACHABLE, IllFormed, Mistake, plant_mistake, right
 from scenic_ref.interpreter.language import checks
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.store.errors import CheckError, ParseError, ProgramError, ResolutionError
@@ -36,7 +36,7 @@ def assert_gives_its_error(wrong: IllFormed) -> None:
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.name)
 def test_each_mistake_gives_its_error(mistake: Mistake):
     choices = SeededChoices(2026, MISTAKES.index(mistake))
-    assert_gives_its_error(planted(choices, generate(choices, right(ProgramSettings())), mistake))
+    assert_gives_its_error(plant_mistake(choices, generate(choices, right(ProgramSettings())), mistake))
 
 
 @pytest.mark.slow

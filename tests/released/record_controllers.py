@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 
 RECORD = Path(__file__).parent / "controllers.json"
 ERRORS = (0.0, 1.0, -0.5, 0.25, 3.0, 0.1, 0.1, -0.2, 0.05, -4.0, 0.3, 0.02, 0.4, 0.4, 0.4)
@@ -64,7 +64,7 @@ def told(python: str) -> list[object]:
     """What the release says: of its own controllers, then of each kind of vehicle and time step."""
     with TemporaryDirectory() as folder:
         road_map = Path(folder, "map.xodr")
-        road_map.write_text(made("grid"), encoding="utf-8")
+        road_map.write_text(generate_map("grid"), encoding="utf-8")
         question = json.dumps([str(road_map), folder, PROGRAM, ERRORS, OWN])
         run = subprocess.run([python, "-c", ASK, question], capture_output=True, text=True, env={**os.environ, "MPLCONFIGDIR": folder}, check=False)
         return [json.loads(line.removeprefix("TOLD ")) for line in run.stdout.splitlines() if line.startswith("TOLD ")]

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.simulators.worlds.driving import DEFAULT
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -67,7 +67,7 @@ def main() -> int:
     with TemporaryDirectory() as folder:
         road_map = options.map or Path(folder, "map.xodr")
         if options.map is None:
-            road_map.write_text(made("grid", **DEFAULT), encoding="utf-8")
+            road_map.write_text(generate_map("grid", **DEFAULT), encoding="utf-8")
         told = asked(options.dialect, options.python, road_map)
         if options.map is None:
             (HERE / f"driving-{options.dialect}.json").write_text(json.dumps(told, separators=(",", ":")) + "\n", encoding="utf-8")

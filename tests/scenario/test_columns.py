@@ -26,12 +26,12 @@ from scenic_ref.data.typed_columns import (
     TypedColumn,
     as_kind,
     column_of,
-    constant,
-    interleaved,
-    joined,
+    concatenate_columns,
+    constant_column,
+    empty_column,
+    interleave_columns,
     json_text,
-    nothing,
-    vector,
+    vector_type,
 )
 from scenic_ref.inference.batch.jobs.block_tables import Tables
 from scenic_ref.semantics.store.errors import AttemptsExhausted, UsageError
@@ -74,13 +74,13 @@ def test_the_type_of_a_column_and_its_values_do_not_depend_on_the_pieces(values,
     cut = data.draw(st.integers(0, len(values)))
     again = data.draw(st.integers(0, cut))
     pieces = [column_of(part) for part in (values[:again], values[again:cut], values[cut:]) if part]
-    parts = joined([joined(pieces[:2]), *pieces[2:]])
+    parts = concatenate_columns([concatenate_columns(pieces[:2]), *pieces[2:]])
     assert parts.kind == whole.kind
     assert told(parts) == told(whole) == [None if v is None else json_text(v) for v in values]
 
 
 def test_zeros_of_both_signs_stay_apart_whatever_the_pieces():
-    assert told(joined([column_of([0.0, -0.0, 0]), column_of(["x"])])) == told(column_of([0.0, -0.0, 0, "x"])) == ["0", "-0.0", "0", '"x"']
+    assert told(concatenate_columns([column_of([0.0, -0.0, 0]), column_of(["x"])])) == told(column_of([0.0, -0.0, 0, "x"])) == ["0", "-0.0", "0", '"x"']
 
 
 @data
@@ -101,7 +101,7 @@ def test_halves_of_characters_are_written_as_json_escapes_them(backend, suffix, 
 @settings(deadline=None, derandomize=True, max_examples=200)
 @given(st.lists(st.tuples(VALUES, VALUES), min_size=1, max_size=5))
 def test_columns_of_objects_become_rows(pairs):
-    mixed = interleaved([column_of([a for a, _ in pairs]), column_of([b for _, b in pairs])])
+    mixed = interleave_columns([column_of([a for a, _ in pairs]), column_of([b for _, b in pairs])])
     whole = column_of([value for pair in pairs for value in pair])
     assert (mixed.kind, told(mixed)) == (whole.kind, told(whole))
 
@@ -109,12 +109,12 @@ def test_columns_of_objects_become_rows(pairs):
 @settings(deadline=None, derandomize=True, max_examples=200)
 @given(st.lists(VALUES, min_size=1, max_size=4), st.lists(st.integers(1, 3), min_size=4, max_size=4))
 def test_a_column_of_one_value_is_a_column_like_others(values, counts):
-    once = [constant(value, n) for value, n in zip(values, counts, strict=False)]
+    once = [constant_column(value, n) for value, n in zip(values, counts, strict=False)]
     each = [column_of([value] * n) for value, n in zip(values, counts, strict=False)]
-    assert (joined(once).kind, told(joined(once))) == (joined(each).kind, told(joined(each)))
-    once, each = [constant(value, 2) for value in values], [column_of([value] * 2) for value in values]
-    assert (interleaved(once).kind, told(interleaved(once))) == (interleaved(each).kind, told(interleaved(each)))
-    assert told(joined([joined(once), column_of([0.5])])) == told(joined([joined(each), column_of([0.5])]))
+    assert (concatenate_columns(once).kind, told(concatenate_columns(once))) == (concatenate_columns(each).kind, told(concatenate_columns(each)))
+    once, each = [constant_column(value, 2) for value in values], [column_of([value] * 2) for value in values]
+    assert (interleave_columns(once).kind, told(interleave_columns(once))) == (interleave_columns(each).kind, told(interleave_columns(each)))
+    assert told(concatenate_columns([concatenate_columns(once), column_of([0.5])])) == told(concatenate_columns([concatenate_columns(each), column_of([0.5])]))
 
 
 @pytest.mark.parametrize("suffix", [*(pytest.param(s, marks=data if s in (".parquet", ".arrow") else ()) for s in table_files.SUFFIXES)])
@@ -135,7 +135,7 @@ def test_a_file_is_the_same_whether_its_scenes_come_one_by_one_or_in_columns(suf
 
 def test_values_that_are_alike_beside_missing_ones_stay_where_they_are(tmp_path):
     spool = table_files.Spool(tmp_path)
-    first, second = interleaved([nothing(2), constant(0, 2)]), column_of([None, 1.5, None, 0])
+    first, second = interleave_columns([empty_column(2), constant_column(0, 2)]), column_of([None, 1.5, None, 0])
     for number, column in enumerate((first, second)):
         spool.write({**columns_of([scene(number)] * 4), "properties.p": column})
     assert [told(group["properties.p"]) for group in spool.read()] == [[None, "0", None, "0"], [None, "1.5", None, "0"]]
@@ -157,7 +157,7 @@ def test_arrays_can_be_written_and_are_not_those_of_other_columns():
     ("values", "kind"),
     [
         ([1, 2], INT53), ([1, 2.5], FLOAT), ([1, None], INT53), ([None], NOTHING), ([True, False], "bool"), ([True, 1], JSON), (["a", None], TEXT),
-        (["a", 1], JSON), ([[1, 2.0]], vector(2)), ([[1], [1, 2]], JSON), ([[]], JSON), ([2**60], INT64), ([2**60, 0.5], JSON), ([2**64], JSON),
+        (["a", 1], JSON), ([[1, 2.0]], vector_type(2)), ([[1], [1, 2]], JSON), ([[]], JSON), ([2**60], INT64), ([2**60, 0.5], JSON), ([2**64], JSON),
         ([{"repr": "inf"}, 1.0], FLOAT), ([{"repr": "C"}], JSON), ([[1, "a"]], JSON), ([[2**53 + 1, 0]], JSON),
     ],
 )
@@ -166,7 +166,7 @@ def test_the_type_of_values(values, kind):
 
 
 def test_numbers_that_turn_into_texts_are_the_same_whatever_they_were_before():
-    mixed = joined([column_of([3, 2**53]), column_of([0.5, -0.0, 1e300]), column_of(["x"])])
+    mixed = concatenate_columns([column_of([3, 2**53]), column_of([0.5, -0.0, 1e300]), column_of(["x"])])
     assert told(mixed) == ["3", "9007199254740992", "0.5", "-0.0", "1e+300", '"x"']
     assert told(column_of([3, 3.0, "x"])) == ["3", "3", '"x"']
 

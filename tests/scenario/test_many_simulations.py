@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.data.simulation import to_line
 from scenic_ref.errors import AttemptsExhausted, UncaughtException, UsageError
 from scenic_ref.inference import simulation_rejection
@@ -40,7 +40,7 @@ def test_they_are_those_of_the_command(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(tmp_path)
     Path("p.scenic").write_text(PROGRAM)
     options = ("--simulator", "kinematic", "--steps", "20", "--seed", "4", "--dialect", "scenic-2.1", "--profile", "scenic-2.1")
-    assert answer(["simulate", "p.scenic", "-n", "7", "-o", "runs.jsonl", *options]) == 0
+    assert run_command_line(["simulate", "p.scenic", "-n", "7", "-o", "runs.jsonl", *options]) == 0
     written = Path("runs.jsonl").read_text().splitlines()
     told: list[tuple[int, int]] = []
     program = scenic_ref.load("p.scenic", dialect="scenic-2.1", profile="scenic-2.1")

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.api.scene_expressions import NAME, expression_of, law_of, observed
+from scenic_ref.api.scene_expressions import NAME, expression_of, law_of, value_in_final_state
 from scenic_ref.interpreter.runtime.answerers import from_stream
 from scenic_ref.interpreter.runtime.program_run import Accepted, run
 from scenic_ref.semantics.machine.values import unwrap
@@ -21,7 +21,7 @@ def value(expression: str, program: str = PROGRAM) -> object:
     scenario = scenic_ref.loads(program)
     ended = run(scenario.start(), from_stream(0, 0, 0), fuel=scenario.fuel)
     assert isinstance(ended, Accepted)
-    return unwrap(observed(expression_of(expression), ended.state))[0]
+    return unwrap(value_in_final_state(expression_of(expression), ended.state))[0]
 
 
 def test_an_expression_sees_the_scene_as_it_is_after_mutation():

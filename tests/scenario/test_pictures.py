@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.pictures.map_layers import DIM, FAINT, MOST_MARKS, MOST_POINTS, Laid, Window, laid, marks
+from scenic_ref.pictures.map_layers import DIM, FAINT, MOST_MARKS, MOST_POINTS, Laid, Window, map_features_in, marks
 from scenic_ref.pictures.scene_figures import (
     CLASSES,
     EGO,
@@ -157,7 +157,7 @@ def test_scenes_show_the_features_of_a_map_of_ones_own_whatever_draws_them(tmp_p
     scenario = site_in(tmp_path, features)
     window = (6.0, 6.0, 14.0, 14.0)
     for scene in (scenario.sample(), *scenario.sample_many(1, backend="batch"), pickle.loads(pickle.dumps(scenario.sample()))):
-        found = [(one.kind, one.faint, one.dim) for one in laid(scene.site, window)]
+        found = [(one.kind, one.faint, one.dim) for one in map_features_in(scene.site, window)]
         assert found == [("areas", FAINT[3], DIM[3]), ("lines", FAINT[1], DIM[1]), ("points", FAINT[0], DIM[0])]
         assert picture([scene]) != picture([replace(scene, site=None)])
 
@@ -190,7 +190,7 @@ def test_the_names_of_a_crowded_map_take_no_longer(tmp_path: Path) -> None:
 
 def test_a_crowded_map_is_drawn_without_its_smallest_features(tmp_path: Path) -> None:
     crowd = [(f"p{k}", "Point", [k % 20, k // 20 % 20]) for k in range(MOST_POINTS + 5)]
-    found = laid(site_in(tmp_path, [*crowd, ("yard", "Polygon", square(20))]).sample().site, (0.0, 0.0, 20.0, 20.0))
+    found = map_features_in(site_in(tmp_path, [*crowd, ("yard", "Polygon", square(20))]).sample().site, (0.0, 0.0, 20.0, 20.0))
     assert found[0].kind == "areas" and len(found) <= MOST_POINTS
 
 

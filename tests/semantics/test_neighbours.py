@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.conformance.implementations.reference import traced
+from scenic_ref.conformance.implementations.reference import trace_first_run
 from scenic_ref.semantics.scenes import default_requirements
 from scenic_ref.semantics.space import box_crowds, geometry
 from scenic_ref.semantics.space.vectors import Vector
@@ -105,10 +105,10 @@ def test_what_collides_is_rejected_for_the_pair_that_it_was(monkeypatch: pytest.
 
 
 def test_the_trace_tells_that_pairs_were_settled_together() -> None:
-    told = [event for event in traced(scenic_ref.loads(ROW.format(60)), 0, 0).events if event.rule == "T-Check"]
+    told = [event for event in trace_first_run(scenic_ref.loads(ROW.format(60)), 0, 0).events if event.rule == "T-Check"]
     assert "no two of the 61 objects intersect" in str(told)
     assert len(told) < 200
-    few = [event for event in traced(scenic_ref.loads(ROW.format(30)), 0, 0).events if event.rule == "T-Check"]
+    few = [event for event in trace_first_run(scenic_ref.loads(ROW.format(30)), 0, 0).events if event.rule == "T-Check"]
     assert len(few) >= math.comb(31, 2)
 
 

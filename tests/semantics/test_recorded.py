@@ -20,7 +20,7 @@ from scenic_ref.api import loads
 from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.generator import ProgramSettings, random_programs
 from scenic_ref.conformance.implementations.protocol import NeverAccepted, Refused
-from scenic_ref.conformance.implementations.reference import Ourselves, load, loaded, traced
+from scenic_ref.conformance.implementations.reference import Ourselves, load_task, load_unless_refused, trace_first_run
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.interpreter.runtime import trace
@@ -60,11 +60,11 @@ def of_vector(vector: ConformanceVector) -> str:
     """Of a vector: the rules of its first run, scenes, and a simulation where it is about one."""
     ours = Ourselves()
     task = vector.task(next(d for d in ours.dialects if d in vector.texts))
-    scenario = loaded(task)
+    scenario = load_unless_refused(task)
     if scenario is None:
-        return digest(lambda: load(task))
+        return digest(lambda: load_task(task))
     parts: list[Callable[[], object]] = [
-        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in traced(scenario, 0, 0).events[:EVENTS]],
+        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in trace_first_run(scenario, 0, 0).events[:EVENTS]],
         lambda: list(ours.scenes(task, 2, seed=0, attempts=20)),
     ]
     if vector.steps is not None:
@@ -76,7 +76,7 @@ def of_text(text: str) -> str:
     """Of an invented program: the rules of its first run, and scenes."""
     scenario = loads(text)
     return digest(
-        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in traced(scenario, 0, 0).events[:EVENTS]],
+        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in trace_first_run(scenario, 0, 0).events[:EVENTS]],
         lambda: [scene.to_json() for scene in scenario.sample_many(2, 0, max_attempts=20)],
     )
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import scenic_ref
 from scenic_ref.conformance import ConformanceVector, load_vectors
-from scenic_ref.conformance.implementations.reference import load, traced
+from scenic_ref.conformance.implementations.reference import load_task, trace_first_run
 from scenic_ref.conformance.matchers.errors import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.semantics.rules import CATALOGUE, RELEASED, RULES, Rule
@@ -101,7 +101,7 @@ def test_a_docstring_that_begins_otherwise_is_found(name: str, text: str) -> Non
 
 def rules_of(vector: ConformanceVector) -> set[str]:
     """The rules that fire in one run of a vector's program."""
-    return {event.rule for event in traced(load(vector.task("paper")), 0, 0).events}
+    return {event.rule for event in trace_first_run(load_task(vector.task("paper")), 0, 0).events}
 
 
 @pytest.mark.slow

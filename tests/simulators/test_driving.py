@@ -11,7 +11,7 @@ import scenic_ref
 from scenic_ref.data.simulation import Simulated
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UncaughtException
 from scenic_ref.roads import Network, made_map, read_map
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.vehicle_paths import Trajectory
 from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
@@ -62,7 +62,7 @@ def test_scenes_are_the_same_by_the_interpreter_and_by_the_batch_backend(name: s
 
 def test_the_program_of_the_documentation_runs(tmp_path: Path) -> None:
     [text] = re.findall(r"```\n(param map.*?)```", DOCS.read_text(), re.DOTALL)
-    (tmp_path / "town.xodr").write_text(made("crossing", signals=True))
+    (tmp_path / "town.xodr").write_text(generate_map("crossing", signals=True))
     program = scenic_ref.loads(text, directory=tmp_path)
     assert program.sample().params["map"].endswith("town.xodr")  # type: ignore[union-attr]
     assert isinstance(simulated(program), Simulated)
@@ -121,7 +121,7 @@ LANES = "grid", {"lanes": 2, "block": 250.0, "rows": 1, "columns": 2}
 
 
 def on_two_lanes(text: str, tmp_path: Path) -> scenic_ref.Scenario:
-    (tmp_path / "lanes.xodr").write_text(made(LANES[0], **LANES[1]))  # type: ignore[arg-type]
+    (tmp_path / "lanes.xodr").write_text(generate_map(LANES[0], **LANES[1]))  # type: ignore[arg-type]
     return scenic_ref.loads("param map = localPath('lanes.xodr')\n" + MODEL + text, directory=tmp_path)
 
 

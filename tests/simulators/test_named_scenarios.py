@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.data.simulation import Moment, Simulated
 from scenic_ref.errors import AttemptsExhausted
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.roads.vehicle_paths import Trajectory
 from scenic_ref.simulators.worlds.driving import default_network
 
@@ -55,7 +55,7 @@ def test_ego_closes_up_and_falls_back_also_over_an_intersection(left):
 
 
 def test_where_ways_only_turn_ego_follows_round_the_bend(tmp_path: Path):
-    (tmp_path / "t.xodr").write_text(made("t"))
+    (tmp_path / "t.xodr").write_text(generate_map("t"))
     stem = "[l for l in network.intersections[0].incomingLanes if all([m.type is not ManeuverType.STRAIGHT for m in l.maneuvers])][0]"
     moments = following(10, 40, stem, 90, prelude="param map = localPath('t.xodr')\n", directory=tmp_path).moments
     first, last = (moment.objects for moment in (moments[0], moments[-1]))
@@ -67,7 +67,7 @@ def test_where_ways_only_turn_ego_follows_round_the_bend(tmp_path: Path):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_ego_goes_the_ways_that_the_car_ahead_chooses(tmp_path: Path, seed: int):
-    (tmp_path / "round.xodr").write_text(made("roundabout"))
+    (tmp_path / "round.xodr").write_text(generate_map("roundabout"))
     text = f"param map = localPath('round.xodr')\n{MODEL}scenario Main():\n    setup:\n"
     text += "        ways = filter(lambda l: len(l.maneuvers) > 1, network.lanes)\n"
     text += "        ego = Car on Uniform(*ways).centerline\n    compose:\n        do FollowingScenario()\n"
@@ -87,7 +87,7 @@ OVERRIDDEN = """scenario Other(target):
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [8, 1000])
 def test_ego_follows_also_a_car_that_another_scenario_overrides(tmp_path: Path, seconds: int):
-    (tmp_path / "round.xodr").write_text(made("roundabout"))
+    (tmp_path / "round.xodr").write_text(generate_map("roundabout"))
     setup = (
         "lane = Uniform(*filter(lambda l: len(l.maneuvers) > 1, network.lanes))\n"
         "ego = Car at lane.centerline.pointAlongBy(max(5, lane.centerline.length - 30))"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.cli import answer
+from scenic_ref.cli import run_command_line
 from scenic_ref.errors import UncaughtException
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 
 PROGRAM = """from scenic.domains.driving.roads import Network
 town = Network.fromFile(localPath('maps/town.xodr'), useCache=False, ref_points=40)
@@ -28,7 +28,7 @@ param same = again is network, network = isinstance(network, Network)
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "maps").mkdir()
-    (tmp_path / "maps" / "town.xodr").write_text(made("crossing"))
+    (tmp_path / "maps" / "town.xodr").write_text(generate_map("crossing"))
     (tmp_path / "maps" / "broken.xodr").write_text("<")
     (tmp_path / "town.scenic").write_text(PROGRAM)
     (tmp_path / "model.scenic").write_text(MODEL)
@@ -52,7 +52,7 @@ def test_the_map_of_the_program_can_be_read_again(folder: Path) -> None:
 def test_the_command_reads_it_before_files_are_closed_to_the_program(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder.parent)
     for name in ("town", "model"):
-        assert answer(["run", os.path.join(folder.name, f"{name}.scenic"), "-n", "3", "-o", f"{name}.jsonl"]) == 0
+        assert run_command_line(["run", os.path.join(folder.name, f"{name}.scenic"), "-n", "3", "-o", f"{name}.jsonl"]) == 0
 
 
 WRONG = {
@@ -102,7 +102,7 @@ param there = network.roadAt(off) is not None, also = other.roadAt(off) is not N
     ],
 )
 def test_the_tolerance_of_a_map_is_given_by_its_options(options: str, other: str, params: tuple[object, ...], folder: Path) -> None:
-    (folder / "maps" / "bare.xodr").write_text(made("crossing"))
+    (folder / "maps" / "bare.xodr").write_text(generate_map("crossing"))
     text = NEAR.format(f"param map = localPath('maps/bare.xodr')\n{options}", other)
     found = scenic_ref.loads(text, directory=folder).sample().params
     assert (found["there"], found["also"], found["metres"]) == params

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.roads.map_generator import made
+from scenic_ref.roads.map_generator import generate_map
 from scenic_ref.semantics.store.errors import AttemptsExhausted, RunError, UsageError
 from scenic_ref.simulators import by_name
 from scenic_ref.simulators.actions import SetAutopilotAction, SetThrottleAction
@@ -159,7 +159,7 @@ def test_drivers_are_the_seeds():
 
 @needs_sumo
 def test_an_ego_that_leaves_the_roads_ends_the_simulation(tmp_path):
-    (tmp_path / "m.xodr").write_text(made("highway", leg=60.0))
+    (tmp_path / "m.xodr").write_text(generate_map("highway", leg=60.0))
     text = f"param map = {str(tmp_path / 'm.xodr')!r}\n" + MODEL + """
 ego = Car on Uniform(*network.roads[0].lanes).centerline, with behavior AutopilotBehavior()
 require eventually ego.speed > 3

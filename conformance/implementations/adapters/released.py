@@ -38,7 +38,7 @@ SPELLED = {"visibleDistance": "viewDistance"}
 """Properties of the release under the paper's names, where a program does not have one of that name besides."""
 
 
-def plain(value, depth=0):
+def to_plain_json(value, depth=0):
     """A value in JSON; what has no JSON form is {"repr": "..."}."""
     if isinstance(value, numpy.generic):
         value = value.item()
@@ -49,15 +49,15 @@ def plain(value, depth=0):
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else {"repr": repr(float(value))}
     if type(value).__name__ == "Orientation":  # of 3 only
-        return plain(float(value.yaw))
+        return to_plain_json(float(value.yaw))
     if isinstance(value, Vector):
-        return [plain(float(value.x)), plain(float(value.y))]
+        return [to_plain_json(float(value.x)), to_plain_json(float(value.y))]
     if depth > 40:
         return {"repr": "..."}
     if isinstance(value, (list, tuple)):
-        return [plain(v, depth + 1) for v in value]
+        return [to_plain_json(v, depth + 1) for v in value]
     if isinstance(value, dict) and all(type(k) is str for k in value):
-        return {k: plain(v, depth + 1) for k, v in value.items()}
+        return {k: to_plain_json(v, depth + 1) for k, v in value.items()}
     if hasattr(value, "position") and hasattr(value, "heading"):
         return {"repr": type(value).__name__}
     return {"repr": repr(value)[:200]}
@@ -68,7 +68,7 @@ def object_json(number, thing, names):
     properties = {}
     for name in sorted(name for name in thing.properties if not name.startswith("_")):
         try:
-            properties[name] = plain(getattr(thing, name))
+            properties[name] = to_plain_json(getattr(thing, name))
         except Exception:  # a property that cannot be had is left out
             continue
     for name, spelled in SPELLED.items():
@@ -101,16 +101,16 @@ def scene_json(scene, seed, number, attempts):
         names[id(scene.egoObject)] = "ego"
     return {
         "schema": "scenic-ref/scene/1", "seed": seed, "scene": number, "attempts": attempts, "weight": 1.0,
-        "params": {str(k): plain(v) for k, v in scene.params.items()}, "ego": ego,
+        "params": {str(k): to_plain_json(v) for k, v in scene.params.items()}, "ego": ego,
         "objects": [object_json(k, thing, names) for k, thing in enumerate(objects)],
     }  # fmt: skip
 
 
 def action_json(action):
     """An action: a plain value, or its class with its arguments."""
-    value = plain(action)
+    value = to_plain_json(action)
     if isinstance(value, dict) and "repr" in value and hasattr(action, "__dict__"):
-        return {"action": type(action).__name__, "args": [plain(v) for v in vars(action).values()]}
+        return {"action": type(action).__name__, "args": [to_plain_json(v) for v in vars(action).values()]}
     return value
 
 
@@ -154,7 +154,7 @@ def simulation_json(simulation, scene):
     actions = [{agent: taken for agent, taken in step.items() if taken not in ([], [None])} for step in actions]
     steps = []
     for k, state in enumerate(result.trajectory):
-        objects = [{"id": i, "position": plain(position)} for i, position in enumerate(positions_in(state))]
+        objects = [{"id": i, "position": to_plain_json(position)} for i, position in enumerate(positions_in(state))]
         steps.append({"step": k, "objects": objects, "actions": actions[k] if k < len(actions) else {}, "events": [], "doing": {}})
     ended = "time limit" if result.terminationType.name == "timeLimit" else "terminated"
     return {
@@ -191,7 +191,7 @@ def compile_program(request):
     return {"answer": "compiled"}
 
 
-def seeded(request):
+def seed_generators(request):
     """All that is random from here on follows from the seed."""
     random.seed(request["seed"])
     numpy.random.seed(request["seed"] % (1 << 32))
@@ -202,7 +202,7 @@ in_draws = [0]
 sample_all = Samplable.sampleAll
 
 
-def counting(quantities):
+def sample_counting_rejections(quantities):
     """All draws of an attempt."""
     try:
         return sample_all(quantities)
@@ -211,12 +211,12 @@ def counting(quantities):
         raise
 
 
-Samplable.sampleAll = staticmethod(counting)
+Samplable.sampleAll = staticmethod(sample_counting_rejections)
 
 
 def sample(request, say):
     """As many scenes as are wanted."""
-    seeded(request)
+    seed_generators(request)
     for number in range(request["count"]):
         in_draws[0] = 0
         scene, attempts = compiled[0].generate(maxIterations=request["attempts"])
@@ -226,7 +226,7 @@ def sample(request, say):
 
 def simulate(request, say):
     """As many simulations as are wanted; after a rejected one a new scene is drawn, as the releases' command lines do."""
-    seeded(request)
+    seed_generators(request)
     for _ in range(request["count"]):
         for _ in range(request["attempts"]):
             scene, attempts = compiled[0].generate(maxIterations=request["attempts"])
@@ -240,7 +240,7 @@ def simulate(request, say):
     return {"answer": "done"}
 
 
-def answered(request, say):
+def final_answer(request, say):
     """The last answer to a request; what the release raises is the program's error."""
     try:
         if request["request"] == "compile":
@@ -251,12 +251,12 @@ def answered(request, say):
     except RejectionException:
         return {"answer": "rejected"}
     except (MemoryError, SystemExit) as error:
-        return {"answer": "crashed", "message": text_of(error)}
+        return {"answer": "crashed", "message": error_text(error)}
     except Exception as error:
         return error_json(error)
 
 
-def text_of(error):
+def error_text(error):
     """The class of an exception and what it says: nothing where a method of the program is to say it and fails."""
     try:
         return f"{type(error).__name__}: {error}"
@@ -270,11 +270,11 @@ def error_json(error):
     parse = isinstance(error, (errors.ScenicSyntaxError, SyntaxError)) and not isinstance(error, runtime)
     phase = "parse" if parse else None
     line = getattr(error, "lineno", None)
-    message = text_of(error)
+    message = error_text(error)
     return {"answer": "error", "phase": phase, "message": message, **({"line": line} if type(line) is int else {})}
 
 
-def started():
+def describe_release():
     """What this implementation says of itself."""
     version = getattr(scenic, "__version__", None)
     if version is None:
@@ -287,7 +287,7 @@ def started():
     }  # fmt: skip
 
 
-def saying(number):
+def answer_writer(number):
     """A function that answers the request of that number."""
 
     def say(answer):
@@ -300,8 +300,8 @@ def saying(number):
 def answer_line(line):
     """Answer a request about a program."""
     request = json.loads(line)
-    say = saying(request["id"])
-    say(answered(request, say))
+    say = answer_writer(request["id"])
+    say(final_answer(request, say))
 
 
 class Child:
@@ -333,7 +333,7 @@ class Child:
         if not os.read(self.ended, 1):
             _, status = os.waitpid(self.pid, 0)
             self.alive = False
-            saying(number)({"answer": "crashed", "message": f"the process of the program ended with exit code {os.waitstatus_to_exitcode(status)}"})
+            answer_writer(number)({"answer": "crashed", "message": f"the process of the program ended with exit code {os.waitstatus_to_exitcode(status)}"})
 
     def close(self):
         """End it."""
@@ -349,9 +349,9 @@ def main():
     child = None
     for line in sys.stdin:
         request = json.loads(line)
-        say = saying(request["id"])
+        say = answer_writer(request["id"])
         if request["request"] == "start":
-            say(started())
+            say(describe_release())
         elif request["request"] == "stop":
             say({"answer": "stopped"})
             return

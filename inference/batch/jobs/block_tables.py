@@ -11,19 +11,19 @@ import numpy as np
 
 from ....data.scene import OWN_FIELDS, json_value
 from ....data.scene_tables import Columns as TableColumns
-from ....data.scene_tables import column_name, columns_of, ordered, some, together
+from ....data.scene_tables import column_name, columns_of, order_columns, some, together
 from ....data.typed_columns import (
     EXACT,
     TypedColumn,
     again,
     column_of,
-    constant,
-    interleaved,
-    nothing,
+    constant_column,
+    empty_column,
+    interleave_columns,
     numbers,
-    repeated,
-    taken,
-    vector,
+    repeat_first_row,
+    take_rows,
+    vector_type,
 )
 from ....semantics.machine.values import Random
 from ....semantics.space.vectors import Vector
@@ -44,7 +44,7 @@ class Tables:
         self.own = [[field for field in OWN_FIELDS if symbols_in(o.properties[field])] for o in template.objects]
         self.fixed = [fixed_of(template, number) for number in range(len(template.objects))]
         """For each object what is the same in all scenes: columns of one row."""
-        self.patterns = {n: interleaved([f[n] for f in self.fixed]) for n in self.fixed[0] if all(n in f for f in self.fixed)} if self.fixed else {}
+        self.patterns = {n: interleave_columns([f[n] for f in self.fixed]) for n in self.fixed[0] if all(n in f for f in self.fixed)} if self.fixed else {}
         """Columns that are the same in all scenes: the rows of one scene."""
 
     def of(self, block: Block, seed: int) -> TableColumns:
@@ -59,19 +59,19 @@ class Tables:
         """The rows of the scenes in the columns of a block."""
         count, columns, objects = len(block.rows), block.columns, self.template.objects
         if not objects:
-            return {name: nothing(0) for name in ordered(())}
+            return {name: empty_column(0) for name in order_columns(())}
         rows = count * len(objects)
-        found = {"seed": constant(str(seed), rows), "weight": constant(1.0, rows)}
+        found = {"seed": constant_column(str(seed), rows), "weight": constant_column(1.0, rows)}
         found |= {name: again(pattern, count) for name, pattern in self.patterns.items()}
         shared = {"scene": numbers(block.rows), "attempts": numbers(attempts_of(block))}
         shared |= {name: typed(value, columns, count) for name, value in self.params.items()}
         by_object: list[TableColumns] = []
         for o, own, properties, fixed in zip(objects, self.own, self.properties, self.fixed, strict=True):
             made = shared | own_columns(o, own, columns, count) | {name: typed(value, columns, count) for name, value in properties.items()}
-            by_object.append(made | {name: repeated(column, count) for name, column in fixed.items() if name not in found})
+            by_object.append(made | {name: repeat_first_row(column, count) for name, column in fixed.items() if name not in found})
         for name in {name for made in by_object for name in made}:
-            found[name] = interleaved([made[name] if name in made else nothing(count) for made in by_object])
-        return {name: found[name] for name in ordered(found)}
+            found[name] = interleave_columns([made[name] if name in made else empty_column(count) for made in by_object])
+        return {name: found[name] for name in order_columns(found)}
 
 
 def varying(part: str, values: Mapping[str, object]) -> dict[str, object]:
@@ -108,7 +108,7 @@ def typed(value: object, columns: Columns, count: int) -> TypedColumn:
             drawn = columns[value.node.number].astype(np.int64, copy=False)
             is_drawn = np.bincount(drawn, minlength=len(value.values)) > 0  # the type is that of what was drawn
             few = column_of([json_value(value.values[k]) for k in np.flatnonzero(is_drawn).tolist()])
-            return taken(few, (np.cumsum(is_drawn) - 1)[drawn])
+            return take_rows(few, (np.cumsum(is_drawn) - 1)[drawn])
         case Traced() if not isinstance(value, (Choice, Opaque)):
             return numbers(columns[value.node.number])
         case Random():
@@ -131,7 +131,7 @@ def lists_of(values: Sequence[object], columns: Columns, count: int) -> TypedCol
         else:
             return None
     stacked = np.stack(found, axis=1)
-    return TypedColumn(vector(len(found)), stacked) if np.isfinite(stacked).all() else None
+    return TypedColumn(vector_type(len(found)), stacked) if np.isfinite(stacked).all() else None
 
 
 __all__ = ["Tables"]

@@ -10,7 +10,7 @@ from pathlib import Path
 from ....interpreter.language.modules import World
 from ....roads import network as roads
 from ....roads import vehicle_paths
-from ....roads.map_generator import made
+from ....roads.map_generator import generate_map
 from ....roads.network import Network
 from ....roads.network_builder import TOLERANCE, network_from
 from ....semantics.python.builtin_rules import MAPS
@@ -48,7 +48,7 @@ def text(name: str) -> str:
 @cache
 def default_network(tolerance: float = TOLERANCE) -> Network:
     """The map of programs that name none: nine crossings with traffic lights and crosswalks."""
-    return network_from(made("grid", **DEFAULT).encode(), tolerance)
+    return network_from(generate_map("grid", **DEFAULT).encode(), tolerance)
 
 
 def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> tuple[str, Path, Span] | Exception | None:
