@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..data.scene import Scene, scene_of
 from ..inference.batch.graph import GraphNode, RowDraw, Site
 from ..inference.batch.symbolic import Choice, nodes_in
-from ..inference.batch.tracing import Lifted, trace
+from ..inference.batch.tracing import Lifted, trace_program
 from ..interpreter.runtime.answerers import AS_THEY_ARE
 from ..interpreter.runtime.program_run import Accepted
 from ..semantics.machine.outcome import Draw, GivenValues, KnownDraw, Outcome
@@ -107,7 +107,7 @@ def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, KnownDraw]:
 
 def lift_scenario(scenario: Scenario) -> Lifted | None:
     """The program as a graph, and what it leaves with symbols in it, if it can be made one."""
-    return None if scenario.batch is None else trace(scenario.start, scenario.fuel)
+    return None if scenario.batch is None else trace_program(scenario.start, scenario.fuel)
 
 
 def sites_of(scenario: Scenario, objects: Iterable[int]) -> set[Address]:

@@ -26,16 +26,16 @@ from ..inference.importance import draw_importance
 from ..inference.mcmc import draw_mcmc
 from ..inference.moves.target import Target
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
-from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
+from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, no_scene_error, sample
 from ..inference.result import Inferred
 from ..inference.simulation_rejection import NextScene, SampledRun, sample_simulation
 from ..inference.smc import draw_smc
-from ..interpreter.language.checks import check
+from ..interpreter.language.checks import check_runnable
 from ..interpreter.language.dialects import DIALECTS
 from ..interpreter.language.modules import library_of, module_named, with_old_imports
 from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.runtime.optional_packages import needed
-from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
+from ..interpreter.runtime.optional_packages import missing_package_error
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Run, Witness, generate_scene, rehearse
 from ..pictures.notebook_views import line_of_program, page_of_program
 from ..pictures.scene_figures import draw_scenes, multiples_layout
 from ..semantics.machine.config import Config, Settings, State
@@ -88,7 +88,7 @@ def pyro_for(what: str) -> ForPyro:
     try:
         from ..inference.pyro_adapter import NumberModel, SceneKernel, model_of
     except ImportError as problem:
-        raise needed(what, "pyro", problem) from None
+        raise missing_package_error(what, "pyro", problem) from None
     return ForPyro(SceneKernel, NumberModel, model_of)
 
 
@@ -203,7 +203,7 @@ class Scenario:
         self.conditioned_from: Scenario | None = None
         self.condition: Condition | None = None
         self._rehearsed = False
-        check(program)
+        check_runnable(program)
 
     @cached_property
     def settings(self) -> Settings:
@@ -274,7 +274,7 @@ class Scenario:
             batch = self.batch
             assert batch is not None
             attempt = batch.attempts_of(block or self._alone(seed, index, attempts), index)
-        return run(self.start(), from_stream(seed, index, attempt, self.draws), fuel=self.fuel, witness=witness)
+        return generate_scene(self.start(), from_stream(seed, index, attempt, self.draws), fuel=self.fuel, witness=witness)
 
     def last_state(self, witness: Witness) -> State:
         """The state at the end of an accepted run, which `witness` has seen. Raises `AttemptsExhausted`."""
@@ -355,7 +355,7 @@ class Scenario:
             return batch
         except Impossible as never:
             text = f"no scene is possible: {never.requirement.failure}, whatever is drawn"
-            error = exhausted(text, 1, Counter([never.requirement]))
+            error = no_scene_error(text, 1, Counter([never.requirement]))
             operator, _, sides = never.decision.partition(": ")
             if operator and operator == self._compared(never.requirement.span):
                 error.hint = "; ".join(filter(None, (sides, error.hint)))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..data.scene import Scene, scene_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..interpreter.language.parser import parse
-from ..interpreter.runtime.process_sandbox import within
+from ..interpreter.runtime.process_sandbox import guard_run
 from ..interpreter.runtime.program_run import endless
 from ..semantics.machine.config import Config, State, Value
 from ..semantics.machine.host_calls import HostException
@@ -49,7 +49,7 @@ def value_in_final_state(expression: Expression, state: State) -> object:
     return evaluate_config(Config(expression, (), state._replace(deciding=True)))
 
 
-@within
+@guard_run
 def evaluate_config(config: Config) -> object:
     """The value that the control is reduced to. Raises its error."""
     span = getattr(config.control, "span")  # noqa: B009 (of an expression)

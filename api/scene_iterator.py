@@ -15,7 +15,7 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.block_tables import Tables
 from ..inference.batch.jobs.worker_pools import jobs
 from ..inference.rejection import OutOfPatience, patiently
-from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.optional_packages import missing_package_error
 from ..pictures.notebook_views import count_phrase
 from ..semantics.store.errors import UsageError
 from .argument_checks import no_backend
@@ -89,7 +89,7 @@ class Drawn(Iterator[Scene]):
         try:
             import polars
         except ImportError as problem:
-            raise needed("`to_polars`", "polars", problem) from None
+            raise missing_package_error("`to_polars`", "polars", problem) from None
         arrow_for("`to_polars`")
         return polars.DataFrame(polars.from_arrow(self.to_arrow()))
 
@@ -98,7 +98,7 @@ class Drawn(Iterator[Scene]):
         try:
             import pandas
         except ImportError as problem:
-            raise needed("`to_pandas`", "pandas", problem) from None
+            raise missing_package_error("`to_pandas`", "pandas", problem) from None
         return pandas.DataFrame({name: series_of(column) for name, column in self._all().items()})
 
     def _all(self) -> Columns:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 from ..data.recording_reader import Recording, recording_of
 from ..data.simulation import Simulated
-from ..inference.batch.jobs.failures import FailedDraw, failed, parts
+from ..inference.batch.jobs.failures import FailedDraw, parts, record_failed_draw
 from ..inference.batch.jobs.worker_pools import processes
-from ..inference.simulation_rejection import SampledRun, accepted
+from ..inference.simulation_rejection import SampledRun, require_accepted_replay
 from ..semantics.store.errors import ScenicError, UsageError
 from ..simulators import by_name
 from ..simulators.actions import ACTIONS
@@ -93,7 +93,7 @@ def run_simulations_job(job: SimulationsJob) -> list[bytes | FailedDraw]:
     try:
         runs.extend(map(pickle_run, simulate_range(unpickle_scenario(job.scenario), job.which, by_name(job.simulator, job.which.timestep))))
     except ScenicError as error:
-        runs.append(failed(error, []))
+        runs.append(record_failed_draw(error, []))
     return runs
 
 
@@ -125,7 +125,7 @@ def replay_recording(scenario: Scenario, record: Mapping[str, object] | Recordin
     """What `Scenario.replay` gives."""
     recording = record if isinstance(record, Recording) else recording_of(record)
     found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
-    return accepted(replay_once(scenario.start(), recording, found, action_classes(scenario), fuel=scenario.fuel))
+    return require_accepted_replay(replay_once(scenario.start(), recording, found, action_classes(scenario), fuel=scenario.fuel))
 
 
 def action_classes(scenario: Scenario) -> dict[str, type]:

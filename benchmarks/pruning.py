@@ -21,7 +21,7 @@ from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.traced_points import record
+from scenic_ref.inference.pruning.traced_points import record_points
 from scenic_ref.semantics.machine.config import Config
 
 CHOICES = {**{technique: (technique,) for technique in TECHNIQUES}, "the paper's": PAPER, "all": TECHNIQUES}
@@ -37,7 +37,7 @@ def attempts(start: Callable[[], Config], pruning: Pruning | None, n: int) -> tu
 
 def measure_pruning(name: str, scenario: Scenario, n: int) -> dict[str, object]:
     """One row of the table."""
-    recorded = record(scenario.start, FUEL)
+    recorded = record_points(scenario.start, FUEL)
     row: dict[str, object] = {"program": name, "scenes": n, "without": attempts(scenario.start, None, n)}
     seconds, report = 0.0, ""
     for choice, techniques in CHOICES.items():

@@ -13,7 +13,7 @@ import numpy as np
 from ..data.scene_tables import Columns
 from ..inference.batch import Block
 from ..inference.batch.features import features_in
-from ..inference.batch.jobs.failures import FailedDraw, failed
+from ..inference.batch.jobs.failures import FailedDraw, record_failed_draw
 from ..inference.batch.jobs.memory_files import Shelf, lay
 from ..inference.batch.jobs.worker_pools import FIRST, Pace, Workers, block_of
 from ..inference.comparison.scene_columns import FeatureTable
@@ -33,7 +33,7 @@ class Portion(NamedTuple):
     """Scenes `start` to `start + len(attempts) - 1`, as lines (some at a time, good until the next are asked for), as columns or as features, how
     often which requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
-    `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at the
+    `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `record_failed_draw` is the error that ended the job early, at the
     scene behind the last.
     """
 
@@ -74,7 +74,7 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     columns = drawing.tables.of(block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
-    ended = failed(block.error, []) if block.error is not None else None
+    ended = record_failed_draw(block.error, []) if block.error is not None else None
     seconds = time.thread_time() - begun
     return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, seconds, ended, features, block.doubtful)
 

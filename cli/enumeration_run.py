@@ -13,7 +13,7 @@ from ..data.scene import in_json
 from ..inference.comparison.relations import table_of
 from ..inference.comparison.scene_columns import Column
 from ..inference.enumeration import Enumeration
-from ..inference.result import Probability, report
+from ..inference.result import Probability, backend_report
 from .options import Source
 from .output_paths import PICTURES, check_ending, check_file, check_place, write
 from .scene_run import rehearse
@@ -72,7 +72,7 @@ def report_of(found: Enumeration, seconds: float) -> dict[str, object]:
     n = found.discretized
     warnings = [] if n is None else [f"an approximation: each continuous draw was replaced by {n:,} equally likely values"]
     exact = Probability(share, share, share, 1.0) if n is None else Probability(share, 0.0, 1.0, 1.0)
-    return report("enumerate", len(found.outcomes), found.runs, exact, None, None, None, seconds, warnings)
+    return backend_report("enumerate", len(found.outcomes), found.runs, exact, None, None, None, seconds, warnings)
 
 
 class Life:

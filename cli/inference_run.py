@@ -12,7 +12,7 @@ import typer
 
 from ..data.scene import in_json
 from ..data.table_files import SUFFIXES
-from ..inference.chain_diagnostics import nested, rhat
+from ..inference.chain_diagnostics import diagnose_repetitions, rhat
 from ..inference.result import Inferred
 from ..pictures.chain_plots import inference_data_in, needs_arviz, picture_with_chains
 from ..pictures.scene_figures import picture
@@ -112,7 +112,7 @@ def plot(found: Inferred, path: str) -> None:
 def rhats(found: Inferred) -> list[float]:
     """The R-hat of each quantity, as the report has it: over chains, or over populations."""
     assert found.draws is not None
-    return [rhat(own) if found.backend == "mcmc" else nested(own[None]).rhat for own in found.draws]
+    return [rhat(own) if found.backend == "mcmc" else diagnose_repetitions(own[None]).rhat for own in found.draws]
 
 
 class Sign:

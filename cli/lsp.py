@@ -28,7 +28,7 @@ def lsp(
     Diagnostics while one types, what a word means, completion, go to definition, the outline. Programs are run once, in a process of their own
     with the limits of `check`, and never trusted. It needs the extra `lsp`.
     """
-    from ..interpreter.runtime.optional_packages import needed
+    from ..interpreter.runtime.optional_packages import missing_package_error
     from ..semantics.store.errors import UsageError
     from .options import seconds_of
 
@@ -40,7 +40,7 @@ def lsp(
     try:
         from ..editors import server
     except ImportError as problem:
-        raise needed("the language server", "pygls", problem) from None
+        raise missing_package_error("the language server", "pygls", problem) from None
     if tcp is not None:
         import asyncio
 

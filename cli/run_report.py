@@ -14,7 +14,7 @@ from scipy.special import bdtr
 
 from ..data.scene import in_json
 from ..inference.rejection import acceptance
-from ..inference.result import LEVEL, Probability, report
+from ..inference.result import LEVEL, Probability, backend_report
 from ..simulators.loop import OF_SIMULATOR
 from .error_messages import WORST, source_line
 from .output_paths import write
@@ -78,7 +78,7 @@ def write_report(path: str, drawing: Drawing, tally: Tally, backend: str, earlie
         found = Probability(math.nan, 0.0, 1.0, LEVEL)
         why = "independent parts are drawn apart" if drawing.scenario.in_parts else "coins are thrown once for a scene"
         warnings.append(f"{why}: the attempts do not tell how often a run is accepted")
-    write(path, in_json(report(backend, scenes, tally.attempts, found, scenes, scenes, 1.0, seconds, warnings), indent=1) + "\n")
+    write(path, in_json(backend_report(backend, scenes, tally.attempts, found, scenes, scenes, 1.0, seconds, warnings), indent=1) + "\n")
 
 
 def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], backend: Iterable[str]) -> list[str]:

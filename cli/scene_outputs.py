@@ -35,7 +35,7 @@ from ..data.scene import SCHEMA
 from ..data.simulation import SCHEMA as SIMULATION_SCHEMA
 from ..data.table_files import SUFFIXES
 from ..inference.batch.jobs.memory_files import LaidText
-from ..inference.batch.jobs.worker_pools import uninterrupted
+from ..inference.batch.jobs.worker_pools import delay_interrupts
 from ..semantics.store.errors import UsageError
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class LineByLine(Output):
             self._write(data)
 
     def _write(self, data: bytes | memoryview) -> None:
-        with uninterrupted():
+        with delay_interrupts():
             self.put(data)
             self.written += int(np.count_nonzero(np.frombuffer(data, np.uint8) == NEWLINE))
 
@@ -207,7 +207,7 @@ class LinesFile(LineByLine):
             super().write_many(portion)
 
     def _sent(self, laid: LaidText, lines: int) -> bool:
-        with uninterrupted():
+        with delay_interrupts():
             try:
                 laid.send(self.file)
             except OSError as error:
@@ -289,7 +289,7 @@ class ArrowPipe(Output):
         self._sent(self.stream.finish)
 
     def _sent(self, send: Callable[..., None], *what: object, scenes: int = 0) -> None:
-        with uninterrupted():
+        with delay_interrupts():
             try:
                 send(*what)
                 sys.stdout.buffer.flush()

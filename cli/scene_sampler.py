@@ -19,7 +19,7 @@ from ..semantics.machine.config import Config, Value
 from ..semantics.machine.host_calls import HostException
 from ..semantics.machine.outcome import Draw, Next, Outcome, Requirement
 from ..semantics.machine.run_loop import Arrived, drive_machine
-from ..semantics.machine.values import plain
+from ..semantics.machine.values import value_in_run
 from ..semantics.step import step
 from ..semantics.store.errors import AttemptsExhausted, ScenicError
 from ..semantics.store.scopes import descendants
@@ -215,7 +215,7 @@ def holds_aside(condition: Node, place: Config) -> bool | None:
     """Whether `condition` holds in the state of `place`; None if that cannot be said without a draw, or at all."""
     try:
         end, _ = drive_machine(step, Config(condition, (), place.state), raise_unknown, ASIDE_STEPS, until=is_value)
-        return bool(bool_of(plain(end.config.control.value), condition, end.config.state)) if isinstance(end, Arrived) else None  # type: ignore[union-attr]
+        return bool(bool_of(value_in_run(end.config.control.value), condition, end.config.state)) if isinstance(end, Arrived) else None  # type: ignore[union-attr]
     except (Unknown, ScenicError, HostException):
         return None
 

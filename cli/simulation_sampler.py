@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ..api.simulations import SimulationBackend
 from ..data.simulation import to_line
-from ..inference.batch.jobs.failures import FailedDraw, failed, parts
+from ..inference.batch.jobs.failures import FailedDraw, parts, record_failed_draw
 from ..inference.batch.jobs.worker_pools import Workers
 from ..inference.simulation_rejection import SampledRun
 from ..pictures.replay_pages import land_below
@@ -133,7 +133,7 @@ def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, te
             )
             found = report_simulation(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown, left=left)
         except ScenicError as error:
-            yield failed(error, printed)
+            yield record_failed_draw(error, printed)
             return
         yield found
 
@@ -143,7 +143,7 @@ def simulation_work(job: SimulationJob) -> list[ReportedRun | FailedDraw]:
     try:
         return list(simulate_here(drawing_of(job.source), job, by_name(job.simulator, job.timestep)))
     except ScenicError as error:
-        return [failed(error, [])]
+        return [record_failed_draw(error, [])]
 
 
 def simulated_by(workers: AbstractContextManager[Workers], job: SimulationJob, count: int) -> Generator[ReportedRun | FailedDraw]:

@@ -15,7 +15,7 @@ from ..data.simulation import Simulated
 from ..inference.rejection import sample
 from ..inference.simulation_rejection import NextScene, attempts_at
 from ..interpreter.runtime.answerers import from_stream
-from ..interpreter.runtime.trace import Event, Trace, finite
+from ..interpreter.runtime.trace import Event, Trace, json_number
 from ..semantics.rules import RULES
 from ..semantics.store.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..simulators.loop import Failed
@@ -187,7 +187,7 @@ def page_of(found: TracedRun, texts: Mapping[str, str]) -> dict[str, object]:
     }
     return {
         "title": found.title, "ending": found.ending, "main": found.source.file, "sources": sources, "rules": rules,
-        "events": [e.to_json() for e in found.trace.events], "logDensity": finite(found.trace.log_density),
+        "events": [e.to_json() for e in found.trace.events], "logDensity": json_number(found.trace.log_density),
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager
 from typing import NamedTuple, TypeVar
 
-from ..inference.batch.jobs.failures import FailedDraw, failed, parts
+from ..inference.batch.jobs.failures import FailedDraw, parts, record_failed_draw
 from ..inference.batch.jobs.worker_pools import Workers, processes
 from ..inference.rejection import patiently
 from ..semantics.store.errors import ScenicError
@@ -42,7 +42,7 @@ def draw_here(
         try:
             yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt if patient else patiently(job.max_attempts, on_attempt))
         except ScenicError as error:
-            yield failed(error, printed)
+            yield record_failed_draw(error, printed)
             return
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.process_sandbox import limit_time
 from ..pictures.map_layers import site_of
 from ..pictures.notebook_views import line_of_object, line_of_scene, page_of_scene, plot_scene
 from ..pictures.scene_figures import picture
@@ -18,7 +18,7 @@ from ..roads.user_maps import SiteMap
 from ..semantics.machine.config import State
 from ..semantics.machine.operand_kinds import is_scalar
 from ..semantics.machine.value_nesting import check_nesting
-from ..semantics.machine.values import Instance, plain, unwrap
+from ..semantics.machine.values import Instance, unwrap, value_in_run
 from ..semantics.programs import ego_of
 from ..semantics.python.string_methods import stable_repr
 from ..semantics.scenes.default_requirements import workspace_of
@@ -180,7 +180,7 @@ class Scene:
         """A program, in a dialect, that makes just this scene; what cannot be written of it is a comment."""
         return program_of(self, dialect)
 
-    @timed("writing a scene")
+    @limit_time("writing a scene")
     def to_json(self) -> dict[str, object]:
         """The scene as a JSON object."""
         params, objects = {k: json_value(v) for k, v in self.params.items()}, [o.to_json() for o in self.objects]
@@ -224,7 +224,7 @@ PLAIN_SHAPES = (Everywhere, CircularRegion, SectorRegion, RectangularRegion)
 
 def portable(value: object) -> object:
     """A value that is plain data all through, with texts for what is not."""
-    match plain(value):
+    match value_in_run(value):
         case None | bool() | int() | float() | str() | bytes() | Vector() | TextOnly() as inner:
             return plain_data(inner)
         case list() as inner:
@@ -243,7 +243,7 @@ def portable(value: object) -> object:
 
 def json_value(value: object) -> object:
     """A property or parameter in JSON; what has no JSON form is written as {"repr": "..."}."""
-    inner = plain_data(plain(value))
+    inner = plain_data(value_in_run(value))
     match inner:
         case int() if inner.bit_length() > LARGEST_NUMBER_BITS:
             return {"repr": hex(inner)}
@@ -255,8 +255,8 @@ def json_value(value: object) -> object:
             return [json_value(x), json_value(y)]
         case list() | tuple():
             return [json_value(v) for v in items_of(inner)]
-        case dict() if all(isinstance(plain(k), str) for k in items_of(inner)):
-            return {plain_data(plain(k)): json_value(v) for k, v in dict.items(inner)}
+        case dict() if all(isinstance(value_in_run(k), str) for k in items_of(inner)):
+            return {plain_data(value_in_run(k)): json_value(v) for k, v in dict.items(inner)}
         case _ if is_scalar(inner):
             return float(inner)  # type: ignore[arg-type]
         case ScenicClass(name=name):
@@ -265,7 +265,7 @@ def json_value(value: object) -> object:
             return {"repr": stable_repr(unwrap(inner)[0])}
 
 
-@timed("writing a scene")
+@limit_time("writing a scene")
 def scene_of(
     state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False, simulated: bool = False
 ) -> Scene:

@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.process_sandbox import limit_time
 from ..pictures.notebook_views import count_phrase, short_text
 from .scene import OWN_FIELDS, Scene, in_json, json_value, portable
 
@@ -73,7 +73,7 @@ class Simulated(NamedTuple):
         return Simulated, (*self[:-1], records)
 
 
-@timed("writing a simulation")
+@limit_time("writing a simulation")
 def to_json(run: Simulated, attempts: int) -> dict[str, object]:
     """A simulation, and how many attempts it took, in the simulation format."""
     records = {name: [[step, json_value(value)] for step, value in values] for name, values in run.records.items()}

@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, BinaryIO, NamedTuple
 import numpy as np
 
 from ..interpreter.runtime.atomic_files import remove_unfinished, whole_file
-from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.optional_packages import missing_package_error
 from ..interpreter.runtime.process_sandbox import WALL
 from ..semantics.store.errors import UsageError
 from .scene import in_json
@@ -126,7 +126,7 @@ def arrow_for(what: str) -> None:
     try:
         import pyarrow  # noqa: F401
     except ImportError as problem:
-        raise needed(what, "pyarrow", problem, ", or write .npz") from None
+        raise missing_package_error(what, "pyarrow", problem, ", or write .npz") from None
 
 
 def prepare_arrow() -> None:

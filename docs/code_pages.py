@@ -76,11 +76,11 @@ def constructors_page() -> str:
     lines += ["", "## Regions and fields"]
     for constructor in sorted(made_by_programs(), key=lambda one: one.__name__):
         parameters = [one.replace(annotation=inspect.Parameter.empty) for one in inspect.signature(constructor).parameters.values()]
-        lines += described(f"{constructor.__name__}{inspect.Signature(parameters)}".replace("<everywhere>", "everywhere"), constructor)
+        lines += constructor_section(f"{constructor.__name__}{inspect.Signature(parameters)}".replace("<everywhere>", "everywhere"), constructor)
     lines += ["", "## Distributions"]
     for name, constructor in CONSTRUCTORS.items():
         if not name.startswith("Verifai"):
-            lines += described(f"{name}({constructor.takes})", constructor.make)
+            lines += constructor_section(f"{name}({constructor.takes})", constructor.make)
     return "\n".join(lines) + "\n"
 
 
@@ -89,7 +89,7 @@ def made_by_programs() -> list[type]:
     return [found for found in GEOMETRY.values() if isinstance(found, type) and found is not Region]
 
 
-def described(call: str, made: object) -> Iterator[str]:
+def constructor_section(call: str, made: object) -> Iterator[str]:
     """The docstring of what a call makes, which ends with an example, as a section."""
     text, _, example = (inspect.getdoc(made) or "").rpartition("\n\nExample: ")
     paragraphs = [paragraph(" ".join(part.split())) for part in text.split("\n\n")]

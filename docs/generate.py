@@ -275,7 +275,7 @@ def cause_lines(cause: KnownCause, vectors: Mapping[str, ConformanceVector], kep
     mine = {OURS, *cause.implementations}
     example = next((name for name in names if name in pictured and pictured[name].keys() <= mine), names[0])
     more = f", and {len(names) - 1} more: `scenic-ref conformance --impl scenic==VERSION -v` lists them" if len(names) > 1 else ""
-    agree = "".join(f" They agree under `{reading}`: {meaning(reading)}." for reading in cause.readings)
+    agree = "".join(f" They agree under `{reading}`: {alternatives_in_words(reading)}." for reading in cause.readings)
     lines = [paragraph(f"**{cause.why}** *{', '.join(cause.implementations)}.* {'; '.join(cause.passages)}.{agree}"), ""]
     program = next(iter(vectors[example].texts.values())).strip().splitlines()
     if len(program) <= LONGEST_EXAMPLE:
@@ -285,7 +285,7 @@ def cause_lines(cause: KnownCause, vectors: Mapping[str, ConformanceVector], kep
     return lines + ([f"![scenes here and there](differences/{example}.png)", ""] if pictured.get(example, {}).keys() & mine - {OURS} else [])
 
 
-def meaning(readings: str) -> str:
+def alternatives_in_words(readings: str) -> str:
     """What the alternatives in "soft = scene, angle = heading" are."""
     named = (part.partition(" = ") for part in readings.split(", "))
     return "; ".join(READINGS[id].alternatives[alternative].rstrip(".") for id, _, alternative in named)

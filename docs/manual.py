@@ -20,16 +20,16 @@ def manual(application: typer.Typer = app) -> str:
     group = cast(TyperGroup, typer.main.get_command(application))
     lines = [
         f'.TH {NAME.upper()} 1 "" "{NAME} {scenic_ref.__version__}" "User Commands"',
-        ".SH NAME", f"{NAME} \\- {plain(first_sentence(group.help))}",
-        ".SH SYNOPSIS", f".B {NAME}", plain("[OPTIONS] COMMAND [ARGUMENTS]"),
+        ".SH NAME", f"{NAME} \\- {escape_roff(first_sentence(group.help))}",
+        ".SH SYNOPSIS", f".B {NAME}", escape_roff("[OPTIONS] COMMAND [ARGUMENTS]"),
         ".SH OPTIONS", *options(group, NAME),
         ".SH COMMANDS",
     ]
     for name, command in group.commands.items():
-        lines += [f".SS {plain(f'{NAME} {name}')}", *paragraphs(command.help), *options(cast(TyperCommand, command), f"{NAME} {name}")]
+        lines += [f".SS {escape_roff(f'{NAME} {name}')}", *paragraphs(command.help), *options(cast(TyperCommand, command), f"{NAME} {name}")]
     lines.append(".SH EXIT STATUS")
     for code, meaning in EXIT_CODES.items():
-        lines += [".TP", f".B {code}", plain(meaning)]
+        lines += [".TP", f".B {code}", escape_roff(meaning)]
     lines += [
         ".SH ENVIRONMENT", ".TP", ".B NO_COLOR", "If it is set and not empty, nothing is written in colours.",
         ".TP", ".B COLUMNS", "The width of help and tables, in place of that of the terminal.",
@@ -43,13 +43,13 @@ def options(command: TyperCommand | TyperGroup, name: str) -> Iterator[str]:
     for parameter in command.get_params(context):
         record = parameter.get_help_record(context)
         if record is not None:
-            yield from (".TP", f".B {plain(record[0])}", plain(record[1]))
+            yield from (".TP", f".B {escape_roff(record[0])}", escape_roff(record[1]))
 
 
 def paragraphs(text: str | None) -> Iterator[str]:
     """The paragraphs of a help text."""
     for part in (text or "").split("\n\n"):
-        yield from (".PP", plain(" ".join(part.split())))
+        yield from (".PP", escape_roff(" ".join(part.split())))
 
 
 def first_sentence(text: str | None) -> str:
@@ -57,7 +57,7 @@ def first_sentence(text: str | None) -> str:
     return " ".join((text or "").split()).partition(". ")[0].rstrip(".")
 
 
-def plain(text: str) -> str:
+def escape_roff(text: str) -> str:
     """A text in which nothing is a command of the language, in one line."""
     escaped = " ".join(text.split()).replace("\\", "\\e").replace("-", "\\-")
     return f"\\&{escaped}" if escaped.startswith((".", "'")) else escaped

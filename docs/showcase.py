@@ -50,7 +50,7 @@ def simulation() -> bytes:
     return movie(simulated, "a left turn, and somebody comes")
 
 
-def trace() -> bytes:
+def trace_picture() -> bytes:
     """The beginning of a trace, as it stands in a terminal."""
     command = [sys.executable, "-m", "scenic_ref", "trace", f"examples/{TRACED}"]
     told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, encoding="utf-8").stdout
@@ -61,7 +61,7 @@ def trace() -> bytes:
     return NETWORK.sub("", console.export_svg(title=f"scenic-ref trace examples/{TRACED}", unique_id="trace")).encode()
 
 
-MADE = {"scenes.png": scenes, "simulation.gif": simulation, "trace.svg": trace}
+MADE = {"scenes.png": scenes, "simulation.gif": simulation, "trace.svg": trace_picture}
 
 
 def main() -> None:

@@ -45,10 +45,10 @@ def grammar() -> dict[str, object]:
     return {"name": "Scenic", "scopeName": "source.scenic", "fileTypes": ["scenic"], "patterns": patterns}
 
 
-def text() -> str:
+def grammar_json() -> str:
     """The file."""
     return json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n"
 
 
 if __name__ == "__main__":
-    HERE.write_text(text(), encoding="utf-8")
+    HERE.write_text(grammar_json(), encoding="utf-8")

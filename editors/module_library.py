@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..interpreter.language.dialects import MARK
 from ..interpreter.language.modules import HARMLESS, folder_of, leads_away, path_of
-from ..semantics.python.imports import beside
+from ..semantics.python.imports import sibling_module_key
 from ..simulators import worlds
 from ..simulators.worlds import WORLDS, driving
 from .outline import Definition, outline
@@ -54,7 +54,7 @@ class ModuleShelf:
     def find(self, name: str, level: int, importer: SourceModule) -> SourceModule | None:
         """The module that `name`, with `level` dots before it, means in a module; as an import finds it: beside the program first."""
         folder = importer.folder
-        found = None if folder is None else self.beside(beside(name, level or 1, "."), folder)
+        found = None if folder is None else self.beside(sibling_module_key(name, level or 1, "."), folder)
         return found or (None if level else shipped_module(name))
 
     def beside(self, key: str, folder: Path) -> SourceModule | None:

@@ -32,7 +32,7 @@ def diagnose(features: np.ndarray) -> Diagnosis:
 
 def rhat(draws: np.ndarray) -> float:
     """The larger of the rank-normalised split R-hat of the draws and of their distances from the median."""
-    halves = split(draws)
+    halves = split_chains(draws)
     if varies_not(halves):
         return 1.0
     folded = np.abs(halves - np.median(halves))
@@ -41,18 +41,18 @@ def rhat(draws: np.ndarray) -> float:
 
 def bulk_ess(draws: np.ndarray) -> float:
     """How many independent draws would tell as much about the mean."""
-    halves = split(draws)
+    halves = split_chains(draws)
     return float(halves.size) if varies_not(halves) else plain_ess(rank_normalised(halves))
 
 
 def tail_ess(draws: np.ndarray) -> float:
     """The same for the 5 % and the 95 % quantile, whichever is worse."""
-    halves = split(draws)
+    halves = split_chains(draws)
     below = [(halves <= np.quantile(draws, share)).astype(float) for share in (0.05, 0.95)]
     return min(float(b.size) if varies_not(b) else plain_ess(b) for b in below)
 
 
-def split(draws: np.ndarray) -> np.ndarray:
+def split_chains(draws: np.ndarray) -> np.ndarray:
     """Each chain as two, (2 chains, draws / 2)."""
     half = draws.shape[1] // 2
     return np.concatenate([draws[:, :half], draws[:, draws.shape[1] - half :]])
@@ -106,7 +106,7 @@ def autocovariances(draws: np.ndarray) -> np.ndarray:
     return np.fft.irfft(spectrum * np.conj(spectrum), axis=1)[:, :count] / count
 
 
-def nested(features: np.ndarray) -> Diagnosis:
+def diagnose_repetitions(features: np.ndarray) -> Diagnosis:
     """Of independent repetitions with many draws each, (features, repetitions, draws): the variance of their means tells what they are worth."""
     repetitions, draws = features.shape[1:]
 

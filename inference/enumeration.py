@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from ..data.scene import Scene, scene_of
 from ..data.simulation import Simulated, to_json
-from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, run
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, generate_scene
 from ..pictures.notebook_views import count_phrase
 from ..semantics.machine.config import Config, State
 from ..semantics.machine.outcome import Draw, Requirement
@@ -26,7 +26,7 @@ from ..semantics.space.distributions import Distribution, Numbers
 from ..semantics.store.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..simulators.loop import Failed, simulate_once
 from ..simulators.protocol import Simulator
-from .simulation_rejection import exhausted
+from .simulation_rejection import no_simulation_error
 
 
 def quantiles(distribution: Distribution, n: int) -> tuple[object, ...]:
@@ -184,8 +184,8 @@ def enumerate_runs(
         covered += leaf.probability * product(share for _, share in leaf.coins.values())
         if on_run is not None:
             on_run(len(leaves), covered)
-        prefix = following(runner.choices)
-    return summed(leaves, discretize if approximated else None)
+        prefix = next_prefix(runner.choices)
+    return sum_leaves(leaves, discretize if approximated else None)
 
 
 def product(shares: Iterable[Fraction]) -> Fraction:
@@ -196,7 +196,7 @@ def product(shares: Iterable[Fraction]) -> Fraction:
     return result
 
 
-def following(choices: list[Taken]) -> list[Taken] | None:
+def next_prefix(choices: list[Taken]) -> list[Taken] | None:
     """The prefix of the next run: the last draw with a value left takes it; None when all are done."""
     for depth in range(len(choices) - 1, -1, -1):
         taken, among = choices[depth]
@@ -219,7 +219,7 @@ class Runner:
 
     def run(self, config: Config, fuel: int) -> Leaf:
         """The run to its end. Raises the program's errors, and `UsageError` at a draw that is not finite."""
-        result = run(config, self.choose, fuel=fuel)
+        result = generate_scene(config, self.choose, fuel=fuel)
         if isinstance(result, Accepted):
             return Leaf(self.probability, self.coins, self.read(result.state), None)
         return Leaf(self.probability, self.coins, None, result.requirement)
@@ -251,7 +251,7 @@ class Runner:
         return tuple((value, Fraction(1, self.discretize)) for value in quantiles(draw.distribution, self.discretize))
 
 
-def summed(leaves: list[Leaf], discretized: int | None) -> Enumeration:
+def sum_leaves(leaves: list[Leaf], discretized: int | None) -> Enumeration:
     """The distribution that the runs make up. Raises `AttemptsExhausted` if none was accepted."""
     masses: dict[str, Fraction] = defaultdict(Fraction)
     scenes: dict[str, Scene] = {}
@@ -277,7 +277,7 @@ def summed(leaves: list[Leaf], discretized: int | None) -> Enumeration:
         )
     feasible = sum(masses.values())
     ranked = sorted(masses, key=lambda key: -masses[key])
-    outcomes = tuple(PossibleScene(masses[key] / feasible, numbered(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
+    outcomes = tuple(PossibleScene(masses[key] / feasible, as_numbered_outcome(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
     total = sum((c.probability * c.acceptance for c in coins), Fraction(0))
     return Enumeration(outcomes, total, dict(stuck), tuple(coins), len(leaves), discretized)
 
@@ -304,7 +304,7 @@ def content_of_scene(scene: Scene) -> str:
     return json.dumps([found["params"], found["ego"], found["objects"]], allow_nan=False)
 
 
-def numbered(scene: Scene, index: int, probability: Fraction) -> Scene:
+def as_numbered_outcome(scene: Scene, index: int, probability: Fraction) -> Scene:
     """The scene as outcome number `index`, weighing its probability."""
     return replace(scene, index=index, weight=float(probability))
 
@@ -371,10 +371,10 @@ def enumerate_simulations(
             masses[key] += runner.probability
         else:
             stuck[ended] += runner.probability
-        prefix = following(runner.choices)
+        prefix = next_prefix(runner.choices)
     acceptance = sum(masses.values(), Fraction(0))
     if not masses:
-        raise exhausted(f"no simulation is possible: all {runs:,} runs fail", runs, Counter(dict.fromkeys(stuck, 1)))
+        raise no_simulation_error(f"no simulation is possible: all {runs:,} runs fail", runs, Counter(dict.fromkeys(stuck, 1)))
     ranked = sorted(masses, key=lambda key: -masses[key])
     outcomes = tuple(History(masses[key] / acceptance, simulations[key]) for key in ranked)
     return Histories(outcomes, acceptance, dict(stuck), runs)

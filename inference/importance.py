@@ -25,7 +25,7 @@ from .batch.scene_template import scenes_of
 from .chain_diagnostics import Diagnosis
 from .moves.states import Evaluation, States
 from .moves.target import Target
-from .rejection import DEFAULT_ATTEMPTS, exhausted
+from .rejection import DEFAULT_ATTEMPTS, no_scene_error
 from .result import LEVEL, Inferred, Probability
 
 BLOCK = 1 << 14
@@ -103,7 +103,7 @@ def draw_importance(
         chosen = np.flatnonzero(random.random(BLOCK) < weights) if resample else np.flatnonzero(weights)
         made = dict(zip(rows.tolist(), scenes_of(batch.template, columns, seed, rows, np.zeros_like(rows)), strict=True)) if len(chosen) else {}
         for row in chosen[: n - len(scenes)].tolist():
-            found = made[row] if row in made else interpreted(weighing, states, row, seed)
+            found = made[row] if row in made else interpret_row_scene(weighing, states, row, seed)
             runs = target.evaluations - BLOCK + row + 1
             scenes.append(replace(found, index=len(scenes), attempts=runs - last, weight=1.0 if resample else float(weights[row])))
             last = runs
@@ -115,7 +115,7 @@ def draw_importance(
             worst, count = weighing.stuck.most_common(1)[0]
             often, runs = f"{count:,} of {target.evaluations:,} runs", f"{target.evaluations - last:,} runs"
             text = f"no scene in {f'the last {runs}' if last else runs}: most often ({often}{' in all' * bool(last)}) this failed: {worst.text}"
-            raise exhausted(text, target.evaluations, weighing.stuck)
+            raise no_scene_error(text, target.evaluations, weighing.stuck)
     acceptance = mean_weight(*totals.tolist(), share=share, is_simple=is_simple)
     effective = float(totals[1] ** 2 / totals[2])
     own = np.array([s.weight for s in scenes])
@@ -126,7 +126,7 @@ def draw_importance(
     return Inferred("importance", scenes, acceptance, target.evaluations, diagnosis, "", time.process_time() - begun, notes, unseen=unseen)
 
 
-def interpreted(weighing: Weighing, states: States, row: int, seed: int) -> Scene:
+def interpret_row_scene(weighing: Weighing, states: States, row: int, seed: int) -> Scene:
     """The scene of a run that the interpreter did."""
     ended = weighing.target.interpreted(states, row)
     assert ended is not None

@@ -22,7 +22,7 @@ from .moves.proposals import Moves, MovesMade
 from .moves.states import States
 from .moves.target import Target
 from .result import LARGEST_RHAT, Inferred
-from .smc import Population, move, name_of, probability, some, split, told
+from .smc import Population, level_reports, move, probability, run_splitting, some, worst_feature
 
 POPULATIONS, PARTICLES = 8, 128
 """Independent populations in which chains begin, and their sizes."""
@@ -80,7 +80,7 @@ class Chains:
         return self.states.at(np.arange(len(self.violations) - self.count, len(self.violations)))
 
 
-def tempered(target: Target, moves: Moves, populations: Sequence[Population], random: np.random.Generator) -> Chains:
+def tempered_chains(target: Target, moves: Moves, populations: Sequence[Population], random: np.random.Generator) -> Chains:
     """Chains with companions at the levels that splitting went through, all begun at states of accepted runs."""
     largest = float(np.finfo(float).max)
     levels = sorted({min(level.violation, largest) for p in populations for level in p.levels}, reverse=True)
@@ -101,7 +101,7 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     target.measure(random)
     target.expect(2 * FEWEST_DRAWS * len(target.blocks()), CHAINS)
-    found, moves = split(target, POPULATIONS, PARTICLES, random)
+    found, moves = run_splitting(target, POPULATIONS, PARTICLES, random)
     living = [p.states for p in found if len(p.states)]
     chains = Chains(target, moves, States.joined([s.at(np.resize(np.arange(len(s)), -(-CHAINS // len(living)))) for s in living]), [0.0])
     wanted = max(float(n), FEWEST_EFFECTIVE)
@@ -128,7 +128,7 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
         if len(draws) >= min(max(FEWEST_KEPT, 8 * wanted / chains.count), MOST_STATES / chains.count):
             draws, features, thinning = draws[1::2], features[1::2], 2 * thinning
             if len(chains.levels) == 1 < max(len(p.levels) for p in found) and diagnosis.rhat > (STUCK_RHAT if thinning <= SLOW else LARGEST_RHAT):
-                chains, draws, features, thinning = tempered(target, moves, found, random), [], [], 1
+                chains, draws, features, thinning = tempered_chains(target, moves, found, random), [], [], 1
                 notes.append(f"{chains.count} chains were tempered over {len(chains.levels)} levels, since plain ones did not agree")
     kept = States.joined(draws[len(draws) // 2 :])
     chosen = kept.at(some(len(kept), n, random))
@@ -136,7 +136,7 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     if worth < n:
         notes.append(f"the {n:,} scenes are worth {worth:.0f} independent ones")
     return Inferred(
-        "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis),
+        "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, worst_feature(target, diagnosis),
         time.process_time() - begun, (*notes, *target.notes), target.names, np.stack(features[len(draws) // 2 :], axis=2),
-        levels=told(found), moves=taken.parts(),
+        levels=level_reports(found), moves=taken.parts(),
     )

@@ -17,7 +17,7 @@ import torch
 from pyro.infer.mcmc.mcmc_kernel import MCMCKernel
 
 from ..data.scene import Scene, scene_of
-from ..interpreter.runtime.program_run import Accepted, run
+from ..interpreter.runtime.program_run import Accepted, generate_scene
 from ..interpreter.runtime.random_streams import fold
 from ..semantics.machine.config import Config
 from ..semantics.machine.outcome import Draw
@@ -27,7 +27,7 @@ from .batch import Batch
 from .moves.proposals import NAMES
 from .moves.states import States
 from .moves.target import Target
-from .smc import move, moves_of, split
+from .smc import move, moves_of, run_splitting
 
 LARGEST_NUMBER = 1.0 - 2.0**-53
 STARTS = 64
@@ -38,7 +38,7 @@ class SceneKernel(MCMCKernel):
     """The moves of `sites.moves` as a kernel: a step is `passes` moves of each block, on average.
 
     Its parameters are the random numbers of a run: "numbers", and "words" of the draws that take no fixed number of them. Chains of
-    `pyro.infer.MCMC` differ by the seeds that it gives them. Raises what `smc.split` raises.
+    `pyro.infer.MCMC` differ by the seeds that it gives them. Raises what `smc.run_splitting` raises.
     """
 
     def __init__(self, batch: Batch, seed: int = 0, *, passes: int = 2) -> None:
@@ -56,7 +56,7 @@ class SceneKernel(MCMCKernel):
         self.random = np.random.Generator(np.random.Philox(np.random.SeedSequence([fold(self.seed), own])))
         self.is_warm = warmup_steps == 0
         if self.state is None:
-            populations, self.moves = split(self.target, 1, STARTS, self.random)
+            populations, self.moves = run_splitting(self.target, 1, STARTS, self.random)
             found = populations[0].states
             self.state = found.at(self.random.integers(STARTS, size=1))
 
@@ -134,10 +134,10 @@ class NumberModel:
 
     def __call__(self) -> torch.Tensor:
         """Draw the numbers of a run, and weigh it."""
-        uniform: Any = dist.Uniform(number(0.0), number(1.0))
+        uniform: Any = dist.Uniform(double_tensor(0.0), double_tensor(1.0))
         numbers = pyro.sample("numbers", uniform.expand([len(self.target.space.sites)]).to_event(1))
         accepted = self.target.assess(states_of(self.target, {"numbers": numbers[None]})).violation[0] == 0
-        pyro.factor("requirements", number(0.0 if accepted else -math.inf))
+        pyro.factor("requirements", double_tensor(0.0 if accepted else -math.inf))
         return numbers
 
     def scenes(self, samples: Mapping[str, torch.Tensor]) -> list[Scene]:
@@ -153,26 +153,26 @@ def model_of(start: Callable[[], Config], fuel: int) -> Callable[[], Scene | Non
     """
 
     def model() -> Scene | None:
-        ended = run(start(), answer, fuel=fuel)
+        ended = generate_scene(start(), sample_with_pyro, fuel=fuel)
         accepted = isinstance(ended, Accepted)
-        pyro.factor("requirements", number(0.0 if accepted else -math.inf))
+        pyro.factor("requirements", double_tensor(0.0 if accepted else -math.inf))
         return scene_of(ended.state, 0, 0, 1) if isinstance(ended, Accepted) else None
 
     return model
 
 
-def answer(draw: Draw) -> object:
+def sample_with_pyro(draw: Draw) -> object:
     """The value of a draw, from sample statements that are named by its address."""
     if draw.per_scene:
         raise UsageError("with the reading soft=scene, coins are thrown before the scenes are drawn: a model draws given the requirements")
     name, found = ".".join(map(str, draw.address)), draw.distribution
     match found:
         case Range(low=low, high=high) if low < high:
-            return statement(name, dist.Uniform(number(low), number(high)))
+            return statement(name, dist.Uniform(double_tensor(low), double_tensor(high)))
         case Normal(mean=mean, stdDev=deviation) if deviation > 0:
-            return statement(name, dist.Normal(number(mean), number(deviation)))
+            return statement(name, dist.Normal(double_tensor(mean), double_tensor(deviation)))
         case Coin(probability=probability):
-            return bool(statement(name, dist.Bernoulli(number(float(probability)))))
+            return bool(statement(name, dist.Bernoulli(double_tensor(float(probability)))))
     support = found.support()
     if support is not None:
         place = statement(name, dist.Categorical(torch.tensor([float(share) for _, share in support], dtype=torch.float64)))
@@ -182,7 +182,7 @@ def answer(draw: Draw) -> object:
     def uniform() -> float:
         nonlocal used
         used += 1
-        return statement(f"{name}.{used - 1}", dist.Uniform(number(0.0), number(1.0)))
+        return statement(f"{name}.{used - 1}", dist.Uniform(double_tensor(0.0), double_tensor(1.0)))
 
     return found.sample(uniform)
 
@@ -192,6 +192,6 @@ def statement(name: str, distribution: Any) -> float:
     return float(pyro.sample(f"draw {name}", distribution))
 
 
-def number(value: float) -> torch.Tensor:
+def double_tensor(value: float) -> torch.Tensor:
     """A number as a tensor of double precision."""
     return torch.tensor(value, dtype=torch.float64)

@@ -16,7 +16,7 @@ from scipy.special import betaincinv
 
 from ..data.scene import Scene, scene_of
 from ..interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, generate_scene
 from ..semantics.machine.config import Config
 from ..semantics.machine.outcome import Draw, Requirement
 from ..semantics.store.errors import AttemptsExhausted
@@ -81,9 +81,9 @@ def sample(
     begin = start if witnessed is not None else Beginnings(start, fuel)
     for attempt in range(max_attempts):
         witness = None if witnessed is None else witnessed(attempt)
-        choose, drawn = counting(from_stream(seed, index, attempt, draws))
+        choose, drawn = watch_first_draw(from_stream(seed, index, attempt, draws))
         try:
-            result = run(begin(), choose, fuel=fuel, witness=witness)
+            result = generate_scene(begin(), choose, fuel=fuel, witness=witness)
         except KeyboardInterrupt:
             raise InterruptedDraw(stuck) from None
         steps += result.steps
@@ -93,10 +93,10 @@ def sample(
         if on_attempt is not None:
             on_attempt(attempt + 1)
         if not drawn:
-            raise exhausted(f"no scene is possible: {result.requirement.failure}, whatever is drawn", attempt + 1, stuck)
+            raise no_scene_error(f"no scene is possible: {result.requirement.failure}, whatever is drawn", attempt + 1, stuck)
     worst, count = stuck.most_common(1)[0]
     text = f"no scene in {max_attempts:,} attempts: {how_often(count, max_attempts)} this failed: {worst.text}"
-    raise exhausted(text, max_attempts, stuck, seldom=True)
+    raise no_scene_error(text, max_attempts, stuck, seldom=True)
 
 
 def how_often(count: int, attempts: int) -> str:
@@ -118,7 +118,7 @@ def acceptance(scenes: int, attempts: int, level: float = LEVEL) -> Probability:
     return Probability(scenes / attempts, low, high, level)
 
 
-def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
+def watch_first_draw(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
     """The chooser, and a list that holds the first draw that it answered, if any."""
     seen: list[tuple[int, ...]] = []
 
@@ -131,7 +131,7 @@ def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
     return answer, seen
 
 
-def exhausted(message: str, attempts: int, stuck: Counter[Requirement], *, seldom: bool = False) -> AttemptsExhausted:
+def no_scene_error(message: str, attempts: int, stuck: Counter[Requirement], *, seldom: bool = False) -> AttemptsExhausted:
     """The error when no scene was found, with hints where some are known; `seldom`: many runs were made at random."""
     worst, _ = stuck.most_common(1)[0]
     error = AttemptsExhausted(message, worst.span, attempts=attempts, stuck=tuple(stuck.most_common()))

@@ -87,7 +87,7 @@ class Inferred(NamedTuple):
 
     def report(self) -> dict[str, object]:
         """The report, as `run --report` writes it."""
-        return report(
+        return backend_report(
             self.backend, len(self.scenes), self.attempts, self.acceptance, self.diagnosis.bulk, self.diagnosis.tail, self.diagnosis.rhat,
             self.seconds, self.doubts,
         ) | {
@@ -97,7 +97,7 @@ class Inferred(NamedTuple):
         }  # fmt: skip
 
 
-def report(
+def backend_report(
     backend: str, scenes: int, attempts: int, acceptance: Probability, bulk: float | None, tail: float | None, rhat: float | None,
     seconds: float | None, warnings: Sequence[str],
 ) -> dict[str, object]:  # fmt: skip

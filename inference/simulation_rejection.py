@@ -20,7 +20,7 @@ from ..simulators.behaviors.fallback import LeftToMachine
 from ..simulators.behaviors.policy import CompiledPolicy
 from ..simulators.loop import Failed, Settled, simulate_once
 from ..simulators.protocol import Simulator
-from .rejection import DEFAULT_ATTEMPTS, PATIENCE, counting, how_often
+from .rejection import DEFAULT_ATTEMPTS, PATIENCE, how_often, watch_first_draw
 
 RETRIES = 100
 """Simulations of one scene under the reading `rejected-simulation=retry`, as in the released implementations."""
@@ -87,10 +87,10 @@ def sample_simulation(
             continue
         if not drawn and (found.step is None or not simulator.random):
             text = f"no simulation is possible, since this fails {found.place} whatever is drawn: {found.requirement.text}"
-            raise exhausted(text, attempt + 1, stuck)
+            raise no_simulation_error(text, attempt + 1, stuck)
     worst, often = stuck.most_common(1)[0]
     text = f"no simulation in {max_attempts:,} attempts: {how_often(often, max_attempts)} this failed {worst.place}: {worst.requirement.text}"
-    raise exhausted(text, max_attempts, stuck)
+    raise no_simulation_error(text, max_attempts, stuck)
 
 
 def attempts_at(
@@ -118,9 +118,9 @@ def attempts_at(
             return attempt if address[:1] == (DYNAMIC,) else scene
 
         witness = None if witnessed is None else witnessed(attempt)
-        chooser, drawn = counting(from_stream(seed, index, number))
+        chooser, drawn = watch_first_draw(from_stream(seed, index, number))
         simulate = partial(simulate_once, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness, settled=settled)
-        found = compiled(simulate, begin, chooser, simulator, steps, library if witness is None else None, fuel)
+        found = run_compiled(simulate, begin, chooser, simulator, steps, library if witness is None else None, fuel)
         yield attempt, found, bool(drawn)
         without = without + 1 if isinstance(found, Failed) and found.step is None else 0
         attempt += 1
@@ -128,7 +128,7 @@ def attempts_at(
             scene = first = attempt
 
 
-def compiled(
+def run_compiled(
     simulate: Callable[..., Simulated | Failed], start: Callable[[], Config], choose: Chooser, simulator: Simulator, steps: int,
     library: Library | None, fuel: int,
 ) -> Simulated | Failed:  # fmt: skip
@@ -154,7 +154,7 @@ def compiled(
     return simulate(start(), choose, simulator, steps)
 
 
-def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhausted:
+def no_simulation_error(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhausted:
     """The error when no simulation was found; it counts requirements, whatever the time step."""
     counted: Counter[object] = Counter()
     for failed, often in stuck.items():
@@ -163,8 +163,8 @@ def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhau
     return AttemptsExhausted(text, place, attempts=attempts, stuck=tuple(counted.most_common()))
 
 
-def accepted(found: Simulated | Failed) -> Simulated:
+def require_accepted_replay(found: Simulated | Failed) -> Simulated:
     """A simulation that is played again, in one attempt. Raises `AttemptsExhausted` if the simulator rejects it."""
     if isinstance(found, Failed):
-        raise exhausted(f"the replay fails {found.place}: {found.requirement.text}", 1, Counter([found]))
+        raise no_simulation_error(f"the replay fails {found.place}: {found.requirement.text}", 1, Counter([found]))
     return found

@@ -20,11 +20,11 @@ from ..interpreter.runtime.random_streams import fold
 from ..semantics.machine.outcome import Requirement
 from ..semantics.store.errors import AttemptsExhausted, UsageError
 from .batch import Batch
-from .chain_diagnostics import Diagnosis, nested
+from .chain_diagnostics import Diagnosis, diagnose_repetitions
 from .moves.proposals import Moves, MovesMade
 from .moves.states import CHUNK, States
 from .moves.target import SCALED_BY, Target
-from .rejection import exhausted
+from .rejection import no_scene_error
 from .result import LEVEL, Inferred, Probability
 
 KEPT = 0.3
@@ -81,7 +81,7 @@ class Population(NamedTuple):
         return sum(math.log(level.kept) for level in self.levels) if len(self.states) else -math.inf
 
 
-def split(
+def run_splitting(
     target: Target, repetitions: int, count: int, random: np.random.Generator, *, passes: int = PASSES, on_level: OnLevel | None = None
 ) -> tuple[list[Population], Moves]:
     """Independent populations of `count` states of accepted runs each, or of more, all moved at the same time; and the moves, with steps as long as
@@ -235,7 +235,7 @@ def infeasible(target: Target, states: States) -> AttemptsExhausted:
         stuck[target.rejected_by(states, 0)] += 1
     worst, count = stuck.most_common(1)[0]
     text = f"no scene can be found, as far as can be seen: of the best {len(states):,} runs, {count:,} fail here: {worst.text}"
-    return exhausted(text, target.evaluations, stuck)
+    return no_scene_error(text, target.evaluations, stuck)
 
 
 def probability(populations: Sequence[Population], share: float, level: float = LEVEL) -> Probability:
@@ -252,12 +252,12 @@ def probability(populations: Sequence[Population], share: float, level: float = 
     if not relative.all():
         half = share * float(np.exp(largest) * relative.std(ddof=1)) * factor
         return Probability(estimate, max(estimate - half, 0.0), min(estimate + half, 1.0), level)
-    least = [sum(1 / smoothed(level.kept, len(p.states)) - 1 for level in p.levels) / len(p.states) for p in populations]
+    least = [sum(1 / smooth_fraction(level.kept, len(p.states)) - 1 for level in p.levels) / len(p.states) for p in populations]
     half = math.sqrt(max(logs.var(ddof=1), float(np.mean(least)))) * factor
     return Probability(estimate, estimate * math.exp(-half), min(estimate * math.exp(half), 1.0), level)
 
 
-def smoothed(part: float, count: int) -> float:
+def smooth_fraction(part: float, count: int) -> float:
     """A part of `count` states, as if one more had been found and one more not."""
     return (part * count + 1) / (count + 2)
 
@@ -276,22 +276,22 @@ def draw_smc(
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     levels = math.log(max(target.measure(random), 1 / SCALED_BY)) / math.log(KEPT)
     target.expect(math.ceil(levels) * PASSES * len(target.blocks()), REPETITIONS * particles)
-    every, _ = split(target, REPETITIONS, particles, random, on_level=on_level)
+    every, _ = run_splitting(target, REPETITIONS, particles, random, on_level=on_level)
     found = [p for p in every if len(p.states)]
     particles = len(found[0].states)
     features = target.features(States.joined([p.states for p in found])).reshape(-1, len(found), particles)
     logs = np.array([p.log_probability for p in found])
     weights = np.exp(logs - logs.max())
-    chosen = States.joined([p.states.at(some(particles, k, random)) for p, k in zip(found, shared(weights, n, random), strict=True)])
+    chosen = States.joined([p.states.at(some(particles, k, random)) for p, k in zip(found, systematic_counts(weights, n, random), strict=True)])
     scenes = list(target.scenes(chosen.at(random.permutation(len(chosen))), seed))
-    diagnosis = nested(features)
+    diagnosis = diagnose_repetitions(features)
     return Inferred(
-        "smc", scenes, probability(every, share), target.evaluations, diagnosis, name_of(target, diagnosis), time.process_time() - begun,
-        target.notes, target.names, features, levels=told(every),
+        "smc", scenes, probability(every, share), target.evaluations, diagnosis, worst_feature(target, diagnosis), time.process_time() - begun,
+        target.notes, target.names, features, levels=level_reports(every),
     )
 
 
-def told(populations: Sequence[Population]) -> tuple[dict[str, object], ...]:
+def level_reports(populations: Sequence[Population]) -> tuple[dict[str, object], ...]:
     """The levels of populations, for a report: what all of them together kept."""
     longest = max((p.levels for p in populations), key=len)
     kept = [[p.levels[k].kept for p in populations if k < len(p.levels)] for k in range(len(longest))]
@@ -301,7 +301,7 @@ def told(populations: Sequence[Population]) -> tuple[dict[str, object], ...]:
     )
 
 
-def name_of(target: Target, diagnosis: Diagnosis) -> str:
+def worst_feature(target: Target, diagnosis: Diagnosis) -> str:
     """The feature about which the parts of the work agree least, if there are any features."""
     return target.names[diagnosis.worst] if target.names else ""
 
@@ -311,7 +311,7 @@ def some(count: int, n: int, random: np.random.Generator) -> np.ndarray:
     return np.concatenate([random.permutation(count) for _ in range(-(-n // count))] or [np.zeros(0, dtype=np.int64)])[:n]
 
 
-def shared(weights: np.ndarray, n: int, random: np.random.Generator) -> list[int]:
+def systematic_counts(weights: np.ndarray, n: int, random: np.random.Generator) -> list[int]:
     """How many of `n` fall to each, in proportion to the weights: systematic resampling."""
     edges, points = np.cumsum(weights) / weights.sum() * n, np.arange(n) + random.random()
     return np.bincount(np.minimum(np.searchsorted(edges, points, side="right"), len(edges) - 1), minlength=len(edges)).tolist()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from ..data.scene import in_json
-from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.optional_packages import missing_package_error
 from .scene_figures import CLASSES, EDGE, INK, draw_scenes, figure_bytes, multiples_layout, new_figure
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def needs_arviz() -> None:
     try:
         import arviz  # noqa: F401  # pyright: ignore[reportUnusedImport]
     except ImportError as problem:
-        raise needed("inference data as netCDF", "arviz", problem, ", or write it as .json, which ArviZ reads as well") from None
+        raise missing_package_error("inference data as netCDF", "arviz", problem, ", or write it as .json, which ArviZ reads as well") from None
 
 
 def picture_with_chains(scenes: Sequence[Scene], names: Sequence[str], draws: np.ndarray, rhats: Sequence[float], kind: str, *, format: str) -> bytes:

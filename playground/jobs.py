@@ -23,7 +23,7 @@ from ..data.scene import Scene, in_json, json_value
 from ..data.simulation import to_line
 from ..inference.batch import Block
 from ..inference.batch.jobs.worker_pools import jobs
-from ..inference.comparison.relations import related, table_of
+from ..inference.comparison.relations import add_relations, table_of
 from ..inference.comparison.scene_columns import ABSENT, OTHERWISE, leaves, unit_of
 from ..inference.enumeration import Enumeration, content_of_scene
 from ..inference.rejection import DEFAULT_ATTEMPTS
@@ -263,7 +263,7 @@ def of_feature(scenario: Scenario, asked: PlayRequest) -> Iterator[object]:
     """The values of a feature, or of a relation between objects, by name; None in a scene that has none of that name."""
     scenario.rehearse()
     for table in scenario.feature_tables(asked.count, asked.seed, start=asked.start):
-        column = related(table).columns.get(asked.feature)
+        column = add_relations(table).columns.get(asked.feature)
         for row in range(table.n):
             yield None if column is None else shown_value(column.values[row])
 

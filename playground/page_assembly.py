@@ -16,7 +16,7 @@ from ..cli.session import Session
 from ..data.scene import in_json
 from ..editors.pygments_lexer import rules_for_browsers
 from ..interpreter.language.dialects import DIALECTS
-from ..interpreter.runtime.optional_packages import is_installed, needed
+from ..interpreter.runtime.optional_packages import is_installed, missing_package_error
 from ..semantics.readings import PROFILES, READINGS, select
 from .json_views import cut_text
 from .share_links import Linked, is_link, linked_of
@@ -49,7 +49,7 @@ def begin(source: Source, linked: Linked | None, seed: int, port: int, *, otherw
         from .server import HOST, Playground, bind_socket, serve_playground
     except ImportError as problem:
         missing = "uvicorn" if is_installed("starlette") else "starlette"
-        raise needed("play", missing, problem) from None
+        raise missing_package_error("play", missing, problem) from None
     page = page_with(page_data(source, linked, seed))
     door = bind_socket(port, otherwise=otherwise)
     token = secrets.token_urlsafe(32)

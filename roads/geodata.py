@@ -23,8 +23,8 @@ from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
 from ..interpreter.runtime.atomic_files import write_whole
-from ..interpreter.runtime.optional_packages import needed
-from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.optional_packages import missing_package_error
+from ..interpreter.runtime.process_sandbox import limit_time
 from ..interpreter.runtime.regular_file import name_and_folder, read_regular_file
 from ..semantics.store.errors import ScenicError, UsageError
 from ..semantics.store.memory_errors import is_out_of_memory
@@ -68,7 +68,7 @@ def read_site(path: Path, crs: str | None = None) -> SiteMap:
         raise MapError(f"{path} is no usable map: {problem.message}") from None
 
 
-@timed("reading a map")
+@limit_time("reading a map")
 def site_within(data: bytes, path: Path, crs: str | None) -> SiteMap:
     """The map of what is in a file, in the time that a program has for its maps. Raises `MapError`."""
     suffix = path.suffix.lower()
@@ -220,7 +220,7 @@ def of_shapefile(data: bytes, path: Path) -> Read:
     try:
         import shapefile
     except ImportError as problem:
-        raise needed("a shapefile", "shapefile", problem, "; or convert the map to GeoJSON") from None
+        raise missing_package_error("a shapefile", "shapefile", problem, "; or convert the map to GeoJSON") from None
     try:
         projection = open_sidecar(path, ".prj")
         crs = METRES if projection is None else projection.read().decode("utf-8", "replace")
@@ -328,7 +328,7 @@ def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray]
         from pyproj import CRS, Transformer
         from pyproj.exceptions import ProjError
     except ImportError as problem:
-        raise needed("a map in degrees", "pyproj", problem, ", or set the parameter map_crs to 'metres' if it is in metres") from None
+        raise missing_package_error("a map in degrees", "pyproj", problem, ", or set the parameter map_crs to 'metres' if it is in metres") from None
     try:
         if not without_files(crs):
             raise MapError(f"the reference system {crs!r:.60} may name files: say it as an authority does, such as 'EPSG:25832'")

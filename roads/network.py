@@ -22,7 +22,7 @@ from ..semantics.python.builtin_rules import NO_PICKLES
 from ..semantics.space.absence import Absent
 from ..semantics.space.boundaries import METRES
 from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
-from ..semantics.space.numeric_functions import lifted
+from ..semantics.space.numeric_functions import lift_method
 from ..semantics.space.regions import AlongCurve, PolygonalRegion, PolylineRegion, Region, Workspace, everywhere, nowhere
 from ..semantics.space.symbol_seam import Listed
 from ..semantics.space.vectors import Vector
@@ -292,7 +292,7 @@ class Road(LinearElement):
         """Whether all its lanes have one direction."""
         return self.forwardLanes is None or self.backwardLanes is None
 
-    @lifted(float)
+    @lift_method(float)
     def heading_at(self, v: Vector) -> float:
         """That of the lane group there, else along the centerline."""
         group = self.laneGroupAt(v)
@@ -368,7 +368,7 @@ class LaneGroup(LinearElement):
         """The lanes of the other direction; rejects on one-way roads."""
         return there(self._opposite, f"{self.uid} has no opposite lanes")
 
-    @lifted(float)
+    @lift_method(float)
     def heading_at(self, v: Vector) -> float:
         """That of the lane there, else along the centerline."""
         return (self.laneAt(v) or self.centerline).heading_at(v)
@@ -413,7 +413,7 @@ class RoadSection(LinearElement):
         """The lanes by their numbers in the file."""
         return dict(self.by_id)
 
-    @lifted(float)
+    @lift_method(float)
     def heading_at(self, v: Vector) -> float:
         """That of the lane there, else along the centerline."""
         return (self.laneAt(v) or self.centerline).heading_at(v)
@@ -567,7 +567,7 @@ class Intersection(NetworkElement):
         """The approaches with traffic lights, each with its turn to be green."""
         return turns_of(self)
 
-    @lifted(float)
+    @lift_method(float)
     def heading_at(self, v: Vector) -> float:
         """That of the nearest connecting lane, the first of several; where there is none, in triangles of their middle's heading."""
         return self.network.roadDirection.at(v) if self.contains_point(v) else self.nearest(v).heading_at(v)

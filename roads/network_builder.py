@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from ..interpreter.runtime.process_sandbox import timed
+from ..interpreter.runtime.process_sandbox import limit_time
 from ..interpreter.runtime.regular_file import name_and_folder, read_regular_file
 from ..semantics.space.vectors import Vector
 from . import opendrive
@@ -631,7 +631,7 @@ def read_map(path: Path | str, tolerance: float = TOLERANCE) -> Network:
         raise MapError(f"{path} is no usable OpenDRIVE map: {problem.message}") from None
 
 
-@timed("reading a map")
+@limit_time("reading a map")
 def network_within(data: bytes, tolerance: float) -> Network:
     """As `network_from`, in the time that a program has for its maps."""
     return network_from(data, tolerance)

@@ -10,7 +10,7 @@ from .machine.config import Config, Settings, State
 from .machine.host_calls import Door
 from .machine.operand_kinds import is_object
 from .machine.outcome import GivenValues
-from .machine.values import Instance, plain
+from .machine.values import Instance, value_in_run
 from .python.builtins import builtin_scope
 from .python.functions import enter
 from .python.generators import expand
@@ -83,7 +83,7 @@ def ego_of(state: State, *, simulated: bool = False) -> Instance | None:
 
     Raises `NoEgo` where there must be one.
     """
-    ego = plain(state.ego)
+    ego = value_in_run(state.ego)
     if ego is None and (simulated or state.reading("no-ego") == "allowed"):
         return None
     if ego is None:

@@ -28,9 +28,9 @@ from .dynamics import (
 from .machine import conditions, draws, premises, simulation_state, world_queries
 from .machine.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
 from .machine.error_places import OF_LIBRARY, caller_in, frames_of, of_program
-from .machine.host_calls import DoorStuck, HostException, entered
-from .machine.outcome import Draw, Fault, Next, Outcome, Stuck, dated
-from .machine.stuck_runs import unmet
+from .machine.host_calls import DoorStuck, HostException, has_entered_program
+from .machine.outcome import Draw, Fault, Next, Outcome, Stuck, date_outcome
+from .machine.stuck_runs import unmet_requirement
 from .machine.value_nesting import too_deep
 from .machine.values import Random
 from .python import (
@@ -77,7 +77,7 @@ REDUCE: Mapping[type, Reduction] = {
     # expressions inherited from Python
     p.Constant: expressions.axiom_rule,
     p.Name: expressions.axiom_rule,
-    p.FString: expressions.formatted,
+    p.FString: expressions.f_string_rule,
     p.TupleDisplay: expressions.display,
     p.ListDisplay: expressions.display,
     p.SetDisplay: expressions.display,
@@ -115,7 +115,7 @@ REDUCE: Mapping[type, Reduction] = {
     e.Seconds: expressions.seconds,
     e.IntervalOrPair: expressions.interval_or_pair,
     e.InInitialScenario: world_queries.in_initial_scenario,
-    Waiting: operator_application.waited,
+    Waiting: operator_application.reduce_waiting,
     DefaultIn: object_definitions.default_in,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
@@ -124,7 +124,7 @@ REDUCE: Mapping[type, Reduction] = {
     # statements inherited from Python
     s.ExpressionStatement: expression_statements.expression_statement,
     s.Assignment: assignment.assignment,
-    s.AugmentedAssignment: assignment.augmented,
+    s.AugmentedAssignment: assignment.augmented_assignment,
     s.If: control_flow.if_statement,
     s.While: control_flow.while_statement,
     s.For: control_flow.for_statement,
@@ -274,7 +274,7 @@ def step(config: Config) -> Outcome:
             frame, rest = stack
             result = control_.value  # type: ignore[union-attr]
             if (state.deciding or state.simulation is not None) and state.may_branch:
-                result = carried(result, frame)
+                result = frame_value(result, frame)
             outcome = RESUME[type(frame)](frame, result, rest, state)
         elif kind is Abrupt:
             outcome = unwind(control_, stack, state)  # type: ignore[arg-type]
@@ -284,60 +284,60 @@ def step(config: Config) -> Outcome:
         version.versions.go_to(version)
         outcome = generators.expand(needed, config)
     except NeedsPosition as problem:
-        outcome = object_definitions.wait_whole(config) or stopped(problem, config)
+        outcome = object_definitions.wait_whole(config) or outcome_of_problem(problem, config)
     except Exception as problem:
-        outcome = stopped(problem, config)
-    return told(outcome, state)
+        outcome = outcome_of_problem(problem, config)
+    return apply_given_draws(outcome, state)
 
 
-def told(outcome: Outcome, before: State) -> Outcome:
+def apply_given_draws(outcome: Outcome, before: State) -> Outcome:
     """What a rule says, applied in the state `before` that stands in memory: in the version of what stands there now, a draw with what is given."""
     version = before.version
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
     if type(outcome) is Draw and outcome.address in before.settings.given.draws:
         outcome = outcome._replace(distribution=before.settings.given.draws[outcome.address].of(outcome.distribution))
-    return dated(outcome, version.versions.settled())
+    return date_outcome(outcome, version.versions.settled())
 
 
-def stopped(problem: Exception, config: Config) -> Outcome:
+def outcome_of_problem(problem: Exception, config: Config) -> Outcome:
     """What the machine says where a rule cannot go on. Raises what is no matter of the program."""
     match problem:
         case HostException(exception=ShapelyError() as found) | (ShapelyError() as found) if is_out_of_memory(found):
             return Fault(short_of_memory(place(config)))
         case HostException():
-            return control_flow.raised(problem, problem.span or place(config, problem.exception), config.stack, config.state)
+            return control_flow.raise_host_exception(problem, problem.span or place(config, problem.exception), config.stack, config.state)
         case NotBegun():
-            return control_flow.raised(HostException(problem), place(config), config.stack, config.state)
+            return control_flow.raise_host_exception(HostException(problem), place(config), config.stack, config.state)
         case OutsideField():
-            return Stuck("O-At", unmet(problem, place(config)))
+            return Stuck("O-At", unmet_requirement(problem, place(config)))
         case DoorStuck():
             return problem.outcome._replace(beyond=None)
         case BadField() | BadRegion() | BadParameters() | UnboundedRegion():
             return Fault(RunError(str(problem), place(config), rule="E-Call-Host"))
         case EmptyRegion() | Absent():
-            return Stuck("E-Call-Host", unmet(problem, place(config)))
+            return Stuck("E-Call-Host", unmet_requirement(problem, place(config)))
         case RecursionError():
             return Fault(too_deep(place(config)))
         case OverflowError():
             return Fault(RunError("a number is too large", place(config)))
         case ValueError() if too_many_digits(problem):  # the one thing that fails whatever writes a value, here or in a message
             return Fault(RunError("a whole number has too many digits to be written", place(config)))
-        case RunError(rule="E-Variable") if caught(config.stack):
-            return control_flow.raised(HostException(NameError(problem.message)), place(config), config.stack, config.state)
+        case RunError(rule="E-Variable") if has_handler(config.stack):
+            return control_flow.raise_host_exception(HostException(NameError(problem.message)), place(config), config.stack, config.state)
         case ScenicError():
             if problem.span == NOWHERE or problem.span.line == 0:
                 problem.span = place(config)
             problem.span, where = of_program(problem.span, caller_in(frames_of(config.stack)))
             problem.hint = "; ".join(filter(None, (problem.hint, where)))
             return Fault(problem)
-        case _ if entered(config.state.settings.door, config.state.version):
-            return control_flow.raised(HostException(problem), place(config, problem), config.stack, config.state)
+        case _ if has_entered_program(config.state.settings.door, config.state.version):
+            return control_flow.raise_host_exception(HostException(problem), place(config, problem), config.stack, config.state)
         case _:
             raise problem
 
 
-def caught(stack: Stack) -> bool:
+def has_handler(stack: Stack) -> bool:
     """Whether a `try` with handlers is around: an unknown name is then an exception of the program; else it is its error, with a hint."""
     while stack:
         frame, stack = stack
@@ -346,7 +346,7 @@ def caught(stack: Stack) -> bool:
     return False
 
 
-def carried(result: object, frame: object) -> object:
+def frame_value(result: object, frame: object) -> object:
     """What a frame gets where control flow may depend on what is drawn: a plain value, unless it only passes it on (`premises.CARRIERS`)."""
     if type(result) is not Random:
         return result
@@ -374,7 +374,7 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     if isinstance(exception, GuardViolation):
         return guards.at_top_level(abrupt)
     assert isinstance(exception, BaseException)
-    text = f"{type(exception).__name__}: {said(exception)}".rstrip(": ")
+    text = f"{type(exception).__name__}: {exception_text(exception)}".rstrip(": ")
     span, where = of_program(abrupt.span, abrupt.caller)
     return Fault(UncaughtException(text, span, exception=exception, hint="; ".join([*notes(exception), *filter(None, [where])])))
 
@@ -383,7 +383,7 @@ MOST_SAID = 1000
 """So many characters of an exception's text are told."""
 
 
-def said(exception: BaseException) -> str:
+def exception_text(exception: BaseException) -> str:
     """The text of an exception; "" where a method of the program that should give it does not."""
     try:
         text = without_addresses(str(in_this_run(exception)))

@@ -30,38 +30,38 @@ class Wanted(NamedTuple):
         return Wanted(f"{self.words}, or None", lambda value: value is None or self.admits(value))
 
 
-def is_number(value: object) -> bool:
+def is_finite_scalar(value: object) -> bool:
     """Whether a value is a finite number."""
     return math.isfinite(value) if type(value) is float else isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def between(low: float, high: float, words: str) -> Wanted:
+def wanted_range(low: float, high: float, words: str) -> Wanted:
     """A number of a range."""
-    return Wanted(words, lambda value: is_number(value) and low <= value <= high)  # type: ignore[operator]
+    return Wanted(words, lambda value: is_finite_scalar(value) and low <= value <= high)  # type: ignore[operator]
 
 
 def is_distance(value: object) -> bool:
     """Whether a value is a number that is not negative; infinity is one, for what is however far away."""
-    return (is_number(value) or value == math.inf) and value >= 0  # type: ignore[operator]
+    return (is_finite_scalar(value) or value == math.inf) and value >= 0  # type: ignore[operator]
 
 
 def is_vector(value: object) -> bool:
     """Whether a value is a vector, or two numbers in a list or tuple."""
     parts = (value.x, value.y) if isinstance(value, Vector) else value
-    return isinstance(parts, (tuple, list)) and len(parts) == 2 and all(map(is_number, parts))
+    return isinstance(parts, (tuple, list)) and len(parts) == 2 and all(map(is_finite_scalar, parts))
 
 
-NUMBER = Wanted("a number", is_number)
+NUMBER = Wanted("a number", is_finite_scalar)
 HEADING = NUMBER._replace(words="an angle in radians")
-SHARE = between(0, 1, "a number from 0 to 1")
-STEERING = between(-1, 1, "a number from -1 (left) to 1 (right)")
-SPEED = between(0, math.inf, "a speed in m/s, 0 or more")
+SHARE = wanted_range(0, 1, "a number from 0 to 1")
+STEERING = wanted_range(-1, 1, "a number from -1 (left) to 1 (right)")
+SPEED = wanted_range(0, math.inf, "a speed in m/s, 0 or more")
 DISTANCE = Wanted("a number of metres, 0 or more", is_distance)
 TRUTH = Wanted("True or False", lambda value: isinstance(value, bool))
 VECTOR = Wanted("a vector", is_vector)
 
 
-def shown(value: object) -> str:
+def short_value_text(value: object) -> str:
     """A value in a message: short ones as they are written, others by their kind."""
     flat = value if isinstance(value, (list, tuple)) and len(value) < LONGEST else [value]
     if not all(v is None or isinstance(v, (bool, int, float, str)) for v in flat):
@@ -70,16 +70,16 @@ def shown(value: object) -> str:
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
-def check(of: str, wanted: Mapping[str, Wanted], values: Mapping[str, object]) -> None:
+def check_action_arguments(of: str, wanted: Mapping[str, Wanted], values: Mapping[str, object]) -> None:
     """Raise `ValueError` for the first argument that is not what is wanted."""
     for name, kind in wanted.items():
         if not kind.admits(values[name]):
-            raise unwanted(of, name, kind, values[name])
+            raise unwanted_argument_error(of, name, kind, values[name])
 
 
-def unwanted(of: str, name: str, kind: Wanted, value: object) -> ValueError:
+def unwanted_argument_error(of: str, name: str, kind: Wanted, value: object) -> ValueError:
     """The error for an argument that is not what is wanted."""
-    return ValueError(f"{of}: {name} must be {kind.words}, not {shown(value)}")
+    return ValueError(f"{of}: {name} must be {kind.words}, not {short_value_text(value)}")
 
 
 WALKING = SPEED._replace(words=f"{SPEED.words} (SetWalkingDirectionAction turns a pedestrian round)")
@@ -115,7 +115,7 @@ class Action(TakesPoints, TakesObjects):
         """Check the arguments. Raises `ValueError`."""
         for name, kind in self.wanted.items():
             if not kind.admits(getattr(self, name)):
-                raise unwanted(type(self).__name__, name, kind, getattr(self, name))
+                raise unwanted_argument_error(type(self).__name__, name, kind, getattr(self, name))
 
     def reason_against(self, body: Body | Described) -> str | None:
         """Why this object cannot take the action, None if it can."""
@@ -173,7 +173,7 @@ class SetHandBrakeAction(DrivingAction):
     handbrake: bool
 
     def __init__(self, handBrake: bool) -> None:
-        check("SetHandBrakeAction", {"handBrake": TRUTH}, {"handBrake": handBrake})
+        check_action_arguments("SetHandBrakeAction", {"handBrake": TRUTH}, {"handBrake": handBrake})
         object.__setattr__(self, "handbrake", handBrake)
 
 
@@ -231,7 +231,7 @@ class SetPositionAction(Action):
     def __post_init__(self) -> None:
         """A pair is a vector."""
         Action.__post_init__(self)
-        object.__setattr__(self, "pos", vector(self.pos))
+        object.__setattr__(self, "pos", pair_to_vector(self.pos))
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +244,7 @@ class OffsetAction(Action):
     def __post_init__(self) -> None:
         """A pair is a vector."""
         Action.__post_init__(self)
-        object.__setattr__(self, "offset", vector(self.offset))
+        object.__setattr__(self, "offset", pair_to_vector(self.offset))
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -259,8 +259,8 @@ class SetVelocityAction(Action):
     def __init__(self, xVel: object, yVel: object = None, zVel: object = 0) -> None:
         one = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")}
         two = {"xVel": NUMBER, "yVel": NUMBER, "zVel": NUMBER}
-        check("SetVelocityAction", one if yVel is None else two, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
-        object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel)))
+        check_action_arguments("SetVelocityAction", one if yVel is None else two, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
+        object.__setattr__(self, "velocity", pair_to_vector(xVel if yVel is None else (xVel, yVel)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +296,7 @@ class SetWalkingSpeedAction(WalkingAction):
     speed: float
 
 
-def vector(value: object) -> Vector:
+def pair_to_vector(value: object) -> Vector:
     """A vector, of what `is_vector`."""
     x, y = (value.x, value.y) if isinstance(value, Vector) else value  # type: ignore[misc]
     return Vector(float(x), float(y))  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..data.simulation import Body
 from ..semantics.space.vectors import Vector
 from . import actions as a
-from .actions import is_number
+from .actions import is_finite_scalar
 
 CONTROLS = ("throttle", "brake", "steer", "hand_brake", "reverse")
 """The properties in which objects of the Newtonian model have their controls, by the released names; `SHOWN` says which objects do."""
@@ -74,7 +74,7 @@ def velocity_at_first(body: Body) -> tuple[float, float]:
     velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
     if isinstance(velocity, Vector) and (velocity.x or velocity.y):
         return velocity.x, velocity.y
-    return along(float(speed), float(body.properties["heading"])) if is_number(speed) else (0.0, 0.0)  # type: ignore[arg-type]
+    return along(float(speed), float(body.properties["heading"])) if is_finite_scalar(speed) else (0.0, 0.0)  # type: ignore[arg-type]
 
 
 def reason_against(body: Body, action: object) -> str | None:

@@ -16,13 +16,13 @@ from ..data.simulation import Body, Moment, Pose, Simulated
 from ..interpreter.runtime.program_run import DEFAULT_FUEL, Chooser, Witness, drive
 from ..interpreter.runtime.random_streams import simulator_seed
 from ..roads.network import Network
-from ..semantics.dynamics.invocations import doing
+from ..semantics.dynamics.invocations import describe_behaviors
 from ..semantics.dynamics.policy import after_one_step, begin, policy
 from ..semantics.machine.config import Config, State
 from ..semantics.machine.error_places import caller_in, of_program
 from ..semantics.machine.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
-from ..semantics.machine.simulation_state import Running, line_of, satisfied, simulation_of
-from ..semantics.machine.values import Instance, plain
+from ..semantics.machine.simulation_state import Running, satisfied_eventually_lines, simulation_of, span_line_text
+from ..semantics.machine.values import Instance, value_in_run
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.store.errors import RunError, SimulatorError, UsageError
@@ -31,13 +31,13 @@ from .protocol import (
     RejectRun,
     Simulator,
     Surroundings,
+    call_simulator,
     check_usable,
     controls_of,
-    guarded,
     in_use,
     read_poses,
     step_of,
-    updated,
+    updated_properties,
 )
 from .still import Still
 from .worlds.driving import MAP
@@ -64,7 +64,7 @@ class Failed(NamedTuple):
         return "in the scene" if self.step is None else f"in time step {self.step}"
 
 
-def rejected(problem: RejectRun, step: int) -> Failed:
+def rejected_by_simulator(problem: RejectRun, step: int) -> Failed:
     """A run that the simulator rejects, in a time step."""
     return Failed(Requirement(OF_SIMULATOR, NOWHERE, f"the simulator rejected the run: {problem.reason}"), step)
 
@@ -103,7 +103,7 @@ class MachinePolicy:
 
     def doing(self, state: State) -> dict[int, str]:
         """Which behaviors each agent is in, and where."""
-        return {n: text for n, agent in simulation_of(state).agents.items() if (text := doing(agent))}
+        return {n: text for n, agent in simulation_of(state).agents.items() if (text := describe_behaviors(agent))}
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
         """Where the behavior waits, if it does so in a statement; else where the object was made."""
@@ -132,10 +132,10 @@ def simulate_once(
     scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
     with in_use(simulator):
         chance = simulator_seed(seed, index, attempt if tried is None else tried)
-        return simulated(scene, generated.state, by or partial(MachinePolicy, choose, fuel), simulator, steps, chance, witness, settled)
+        return simulate_scene(scene, generated.state, by or partial(MachinePolicy, choose, fuel), simulator, steps, chance, witness, settled)
 
 
-def simulated(
+def simulate_scene(
     scene: Scene, generated: State, make: PolicyMaker, simulator: Simulator, steps: int, chance: int, witness: Witness | None,
     settled: Settled | None = None,
 ) -> Simulated | Failed:
@@ -146,7 +146,7 @@ def simulated(
     state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
-    chosen = make(state, listening(told, witness, file_of(state)))
+    chosen = make(state, listening_witness(told, witness, file_of(state)))
     held: set[int] = set()
     known: Mapping[int, Running] = {}
     first = len(state.scene)
@@ -154,7 +154,7 @@ def simulated(
     try:
         create(simulator, made, state, chance)
     except RejectRun as problem:
-        return rejected(problem, 0)
+        return rejected_by_simulator(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     ended, is_settled = "", False
     shown: tuple[Instance, ...] = ()
@@ -166,7 +166,7 @@ def simulated(
         if isinstance(outcome, Stuck):
             return Failed(outcome.requirement, number)
         if (scenarios := simulation_of(outcome.state).scenarios) is not known:
-            known, now = scenarios, satisfied(outcome.state)
+            known, now = scenarios, satisfied_eventually_lines(outcome.state)
             told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
             held |= now
         if isinstance(outcome, Finish):
@@ -190,7 +190,7 @@ def simulated(
             events, ended = step_of(simulator, actions)
             after = read_back(simulator, state)
         except RejectRun as problem:
-            return rejected(problem, number)
+            return rejected_by_simulator(problem, number)
         doings = chosen.doing(state) if same else {ids[n]: text for n, text in chosen.doing(state).items()}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         if settled is not None and not ended:
@@ -222,13 +222,13 @@ TOLD = {
 """Rules that are events of a time step."""
 
 
-def listening(told: list[str], witness: Witness | None, file: str | None) -> Witness:
+def listening_witness(told: list[str], witness: Witness | None, file: str | None) -> Witness:
     """A witness that notes what happens in a time step, and passes it on to another; `file` is that of the program, None if there is no other."""
 
     def look(outcome: Outcome, drawn: object) -> None:
         if type(outcome) is Next and outcome.rule in TOLD:
             span = None if outcome.node is None else outcome.node.span
-            place = "" if span is None else line_of(span, span.file if file is None else file)
+            place = "" if span is None else span_line_text(span, span.file if file is None else file)
             told.append(TOLD[outcome.rule] + (f" ({place})" if place else ""))
         if witness is not None:
             witness(outcome, drawn)
@@ -248,7 +248,7 @@ def create_new(simulator: Simulator, state: State, known: int, chance: int) -> l
 
 def create(simulator: Simulator, bodies: list[Body], state: State, chance: int) -> None:
     """Give the simulator new objects, and what surrounds them. Raises `SimulatorError`, `RejectRun`."""
-    guarded(simulator.create, bodies, surroundings(simulator, state, chance), may=(RejectRun,))
+    call_simulator(simulator.create, bodies, surroundings(simulator, state, chance), may=(RejectRun,))
 
 
 def surroundings(simulator: Simulator, state: State, chance: int) -> Surroundings:
@@ -269,14 +269,14 @@ def new_bodies(state: State, known: int) -> list[Body]:
 def body_of(id: int, state: State) -> Body:
     """An object for the simulator."""
     instance = state.scene[id]
-    return Body(id, instance.class_.name, {name: plain(value) for name, value in state.objects[instance.number].items()})
+    return Body(id, instance.class_.name, {name: value_in_run(value) for name, value in state.objects[instance.number].items()})
 
 
 def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
     if not simulator.properties:
         return tuple([{} for _ in state.scene])
-    return tuple(updated(state.objects[instance.number], simulator) for instance in state.scene)
+    return tuple(updated_properties(state.objects[instance.number], simulator) for instance in state.scene)
 
 
 def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]], policy: Policy) -> None:
@@ -294,7 +294,7 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
                     return instance, action, reason
         return None
 
-    if (found := guarded(check)) is not None:
+    if (found := call_simulator(check)) is not None:
         instance, action, reason = found
         if not isinstance(reason, str):
             raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)

@@ -129,7 +129,7 @@ def in_use(simulator: Simulator) -> Iterator[None]:
         with suppress(Exception):  # that it failed before is what counts
             simulator.destroy()
         raise
-    guarded(simulator.destroy)
+    call_simulator(simulator.destroy)
 
 
 class Passed(NamedTuple):
@@ -146,7 +146,7 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
     """One time step in the simulator. Raises `SimulatorError`, `RejectRun`."""
     reason = ""
     try:
-        events = guarded(simulator.step, dict(actions), may=(RejectRun, EndRun))
+        events = call_simulator(simulator.step, dict(actions), may=(RejectRun, EndRun))
     except EndRun as end:
         events, reason = end.events, end.reason
     if events == () and not reason:
@@ -165,7 +165,7 @@ def read_poses(simulator: Simulator, objects: Iterable[tuple[int, object, Span]]
     def read() -> list[Pose]:
         return [dict(checked_pose(simulator.read(id), simulator, who, span)) for id, who, span in objects]
 
-    return guarded(read, may=(RejectRun,))
+    return call_simulator(read, may=(RejectRun,))
 
 
 def controls_of(id: int, properties: Mapping[str, object], simulator: Simulator) -> Pose:
@@ -174,7 +174,7 @@ def controls_of(id: int, properties: Mapping[str, object], simulator: Simulator)
     return told(id) if told is not None and properties.get(SHOWN) is True else {}
 
 
-def updated(properties: Mapping[str, object], simulator: Simulator) -> Pose:
+def updated_properties(properties: Mapping[str, object], simulator: Simulator) -> Pose:
     """Return those properties of an object that the simulator updates, as far as it has them."""
     names = sorted(simulator.properties)
     if properties.get(SHOWN) is True and hasattr(simulator, "controls"):
@@ -206,7 +206,7 @@ def could_be(name: str, value: object) -> bool:
     return name not in VECTOR_PROPERTIES and (is_scalar(value) or name not in SCALAR_PROPERTIES)
 
 
-def guarded(operation: Callable[..., Given], *arguments: object, may: tuple[type[Exception], ...] = ()) -> Given:
+def call_simulator(operation: Callable[..., Given], *arguments: object, may: tuple[type[Exception], ...] = ()) -> Given:
     """What the simulator answers; whatever it raises is a `SimulatorError`, except what it `may` raise."""
     try:
         return operation(*arguments)

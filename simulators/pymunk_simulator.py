@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data.simulation import Body, Pose
-from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.optional_packages import missing_package_error
 from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector
 from . import actions as a
@@ -119,7 +119,7 @@ class Physics:
             import pymunk
             from pymunk import batch
         except ImportError as problem:
-            raise needed("the simulator pymunk", "pymunk", problem) from None
+            raise missing_package_error("the simulator pymunk", "pymunk", problem) from None
         self.pymunk, self.batch, self.fields = pymunk, batch, batch.BodyFields
         self.velocities = self.fields.VELOCITY | self.fields.ANGULAR_VELOCITY
         self.gotten, self.given = batch.Buffer(), batch.Buffer()

@@ -15,24 +15,24 @@ from ..data.recording_reader import RecordedAction, RecordedStep, Recording
 from ..data.scene import Scene, json_value, scene_of
 from ..data.simulation import Body, Moment, Pose, Simulated
 from ..interpreter.runtime.answerers import from_stream
-from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, run
+from ..interpreter.runtime.program_run import DEFAULT_FUEL, Accepted, generate_scene
 from ..interpreter.runtime.random_streams import simulator_seed
 from ..semantics.dynamics.policy import begin
 from ..semantics.machine.config import Config, State
 from ..semantics.store.errors import UsageError
 from ..semantics.syntax.nodes import NOWHERE
-from .loop import ENDED, Failed, create_new, rejected, surroundings
+from .loop import ENDED, Failed, create_new, rejected_by_simulator, surroundings
 from .protocol import (
     RejectRun,
     Simulator,
     Surroundings,
+    call_simulator,
     check_usable,
     controls_of,
-    guarded,
     in_use,
     read_poses,
     step_of,
-    updated,
+    updated_properties,
 )
 
 TOLERANCE = 1e-9
@@ -65,15 +65,15 @@ def replay_once(
     with in_use(simulator):
         try:
             bodies = create_new(simulator, state, 0, chance)
-            ended = played(recording, simulator, classes, bodies, about, moments)
+            ended = replay_steps(recording, simulator, classes, bodies, about, moments)
         except RejectRun as problem:
-            return rejected(problem, len(moments))
+            return rejected_by_simulator(problem, len(moments))
     result, reason = (ENDED, ended) if ended else (recording.result, recording.reason)
     count = len(moments[-1].objects) - len(scene.objects)
     return Simulated(scene, tuple(moments), result, reason, simulator.timestep, recording.created[:count])
 
 
-def played(
+def replay_steps(
     recording: Recording, simulator: Simulator, classes: ActionClasses, bodies: list[Body], about: Surroundings, moments: list[Moment]
 ) -> str:
     """The time steps of a replay, which are added to `moments`; why the simulator ended it, "" if it did not.
@@ -88,11 +88,11 @@ def played(
             moments.append(Moment(number, poses(bodies, simulator), {}, (), step.doing if step is recording.steps[-1] else {}))
             break
         if new:
-            guarded(simulator.create, list(new), about, may=(RejectRun,))
+            call_simulator(simulator.create, list(new), about, may=(RejectRun,))
         actions = actions_of(step, number, bodies, simulator, classes)
         before = poses(bodies, simulator)
         events, ended = step_of(simulator, actions)
-        read_again = read(bodies, simulator)
+        read_again = read_bodies(bodies, simulator)
         moments.append(Moment(number, before, actions, events, step.doing))
         bodies = read_again
     return ended
@@ -100,7 +100,7 @@ def played(
 
 def scene_again(config: Config, recording: Recording, fuel: int) -> tuple[State, Scene]:
     """The state at the end of the recorded attempt, and its scene. Raises `UsageError` unless that is the recorded scene."""
-    generated = run(config, from_stream(recording.seed, recording.run, recording.scene_attempts - 1), fuel=fuel)
+    generated = generate_scene(config, from_stream(recording.seed, recording.run, recording.scene_attempts - 1), fuel=fuel)
     if isinstance(generated, Accepted):
         scene = scene_of(generated.state, recording.seed, recording.run, recording.scene_attempts, simulated=True)
         if close(json.loads(scene.to_line()), recording.scene):
@@ -124,17 +124,17 @@ def action_for(body: Body, recorded: object, number: int, simulator: Simulator, 
     if not isinstance(recorded, RecordedAction):
         action, unknown = recorded, ""
     elif recorded.name in classes:
-        action, unknown = made(classes[recorded.name], recorded, where), ""
+        action, unknown = construct_action(classes[recorded.name], recorded, where), ""
     else:
         action = {"action": recorded.name, "args": list(recorded.arguments)}
         unknown = f"there is no action {recorded.name[:80]}"
-    reason = guarded(simulator.check, body, action)
+    reason = call_simulator(simulator.check, body, action)
     if reason is not None:
         raise UsageError(f"{where}: {unknown or reason}", hint=f"there are {', '.join(classes)}" if unknown else "")
     return action
 
 
-def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> object:
+def construct_action(kind: Callable[..., object], recorded: RecordedAction, where: str) -> object:
     """The action with its arguments. Raises `UsageError`."""
     try:
         return kind(*recorded.arguments)
@@ -143,7 +143,7 @@ def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> o
         raise UsageError(f"{where}: {named}{problem}") from None
 
 
-def read(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
+def read_bodies(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
     """The objects as the simulator has them now. Raises `SimulatorError`."""
     said = read_poses(simulator, [(body.id, f"object {body.id}", NOWHERE) for body in bodies])
     return [
@@ -154,7 +154,7 @@ def read(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
 
 def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
-    return tuple(updated(body.properties, simulator) for body in bodies)
+    return tuple(updated_properties(body.properties, simulator) for body in bodies)
 
 
 # What differs

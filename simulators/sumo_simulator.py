@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ..data.simulation import Body, Pose
-from ..interpreter.runtime.optional_packages import needed
+from ..interpreter.runtime.optional_packages import missing_package_error
 from ..roads.map_generator import generate_map
 from ..semantics.store.errors import UsageError
 from . import actions as a
@@ -65,7 +65,7 @@ class Traffic:
             import sumo  # type: ignore[import-not-found]
             import traci  # type: ignore[import-not-found]
         except ImportError as problem:
-            raise needed("the simulator sumo", "traci" if problem.name == "traci" else "sumo", problem) from None
+            raise missing_package_error("the simulator sumo", "traci" if problem.name == "traci" else "sumo", problem) from None
         self.traci, self.programs = traci, Path(sumo.SUMO_HOME) / "bin"
         self.maps: dict[object, bytes] = {}
         self.process: subprocess.Popen[bytes] | None = None

@@ -22,7 +22,7 @@ def own_simulator(name: str, timestep: float | None) -> Simulator:
     if not all(part.isidentifier() for part in (*module_name.split("."), *class_name.split("."))):
         raise UsageError(f"{name} does not name a simulator", hint="write package.module:Class")
     with importable_from_here():
-        make = maker(imported(module_name), module_name, class_name)
+        make = maker(import_user_module(module_name), module_name, class_name)
         options = {} if timestep is None else {"timestep": timestep}
         call = f"{class_name}({', '.join(f'{key}={value!r}' for key, value in options.items())})"
         try:
@@ -50,7 +50,7 @@ def importable_from_here() -> Iterator[None]:
             sys.path.remove(here)
 
 
-def imported(name: str) -> ModuleType:
+def import_user_module(name: str) -> ModuleType:
     """A module of Python. Raises `UsageError`."""
     try:
         return importlib.import_module(name)

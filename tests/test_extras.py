@@ -94,7 +94,7 @@ def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch,
 @pytest.mark.parametrize(("command", "package", "extra"), [("play", "starlette", "play"), ("play", "uvicorn", "play"), ("lsp", "pygls", "lsp")])
 def test_servers_say_which_extra_they_need(command: str, package: str, extra: str) -> None:
     """In a process of its own, where nothing of the package is loaded yet."""
-    code = f"import sys\nsys.modules[{package!r}] = None\nfrom scenic_ref.cli import answer\nsys.exit(answer([{command!r}]))"
+    code = f"import sys\nsys.modules[{package!r}] = None\nfrom scenic_ref.cli import run_command_line\nsys.exit(run_command_line([{command!r}]))"
     done = subprocess.run([sys.executable, "-c", code], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 2
     assert "needs the package " in done.stderr and f"pip install 'scenic-ref[{extra}]'" in done.stderr

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ...api import Scenario
 from ...inference.comparison import compare
-from ...inference.comparison.feature_names import matching
+from ...inference.comparison.feature_names import feature_matcher
 from ...inference.comparison.scene_columns import leaves
 from ...semantics.store.built_in_classes import view_distance
 from ...semantics.store.errors import AttemptsExhausted, ProgramError, UsageError
@@ -156,7 +156,7 @@ def compare_scenes(name: str, scenario: Scenario | ProgramError, drawing: Scenes
         if not drawing.scenes:
             return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", settings.attempts), "acceptance")
         first = dict(leaves(drawing.scenes[0]))
-        ignore = [feature for feature in (*PRUNED, *settings.ignore, *in_words(scenario, settings)) if any(map(matching(feature), first))]
+        ignore = [feature for feature in (*PRUNED, *settings.ignore, *in_words(scenario, settings)) if any(map(feature_matcher(feature), first))]
         scenes = rename_view_distance(drawing.scenes, scenario)
         verdict = judge_samples(scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
         return of_verdict(name, verdict, "distribution")

@@ -12,10 +12,10 @@ from typing import Literal
 from ... import __version__
 from ...api import Scenario, loads
 from ...data.simulation import Simulated, to_json
-from ...inference.rejection import counting
+from ...inference.rejection import watch_first_draw
 from ...interpreter.language.dialects import DIALECTS
 from ...interpreter.runtime.answerers import from_stream
-from ...interpreter.runtime.program_run import DEFAULT_FUEL, run
+from ...interpreter.runtime.program_run import DEFAULT_FUEL, generate_scene
 from ...interpreter.runtime.trace import Trace
 from ...semantics.machine.outcome import Draw, Outcome, Requirement, Stuck
 from ...semantics.space.vectors import Vector
@@ -85,7 +85,7 @@ class Ourselves:
             return value
 
         with translate_errors(), suppress(NeverDrawn):
-            run(load_task(task).start(), given)
+            generate_scene(load_task(task).start(), given)
             if len(logarithms) < len(draws):
                 raise ValueError(f"the run draws {len(logarithms)} values, and not {len(draws)}")
         return math.exp(sum(logarithms))
@@ -141,7 +141,7 @@ class Ourselves:
 
         accepted = False
         for index in range(TRACED_RUNS):
-            chooser, drawn = counting(from_stream(seed, index, 0))
+            chooser, drawn = watch_first_draw(from_stream(seed, index, 0))
             with suppress(ProgramError):  # what fired before it is kept
                 ended = simulate_once(scenario.start(), chooser, Still(), steps, seed=seed, index=index, fuel=scenario.fuel, witness=look)
                 accepted = accepted or isinstance(ended, Simulated)

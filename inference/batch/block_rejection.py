@@ -20,19 +20,19 @@ import numpy as np
 from ...data.scene import Scene, scene_of
 from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, from_stream
 from ...interpreter.runtime.optional_packages import why_missing
-from ...interpreter.runtime.program_run import Accepted, Beginnings, run
+from ...interpreter.runtime.program_run import Accepted, Beginnings, generate_scene
 from ...semantics.machine.config import Config
 from ...semantics.machine.outcome import Requirement
 from ...semantics.space.symbol_seam import NotLifted
 from ...semantics.store.errors import ScenicError
-from ..rejection import DEFAULT_ATTEMPTS, exhausted
-from .factorised_rejection import Component, Stage, components, report, stages, worthwhile
+from ..rejection import DEFAULT_ATTEMPTS, no_scene_error
+from .factorised_rejection import Component, Stage, components, describe_factorisation, stages, worthwhile
 from .numpy_evaluator import ACCEPTED, LEFT, Evaluated, evaluate, rejection_rates
 from .row_calls import Columns
 from .scene_template import Template, scenes_of, template_of
 from .symbolic import nodes_in
 from .torch_devices import check_device
-from .tracing import trace
+from .tracing import trace_program
 
 if TYPE_CHECKING:
     from .numba_evaluator import CompiledStage
@@ -95,7 +95,7 @@ class Batch:
         self.start = start
         self.fuel = fuel
         self.draws = draws
-        graph, state = trace(start, fuel, draws)
+        graph, state = trace_program(start, fuel, draws)
         self.graph = graph
         rejects = rejection_rates(graph, LOOKED_AT)
         whole = worthwhile(graph, components(graph), rejects) if factorised else Component(frozenset(), tuple(range(len(graph.events))))
@@ -148,7 +148,7 @@ class Batch:
         """What is drawn apart where rejection is factorised, or why nothing is: lines of a report."""
         objects = enumerate(self.template.objects)
         places = [(o.name or f"{o.class_name} (object {k})", nodes_in(o.properties["position"])) for k, o in objects]
-        return report(self.graph, self.whole, places)
+        return describe_factorisation(self.graph, self.whole, places)
 
     def attempts_of(self, block: Block, index: int) -> Callable[[tuple[int, ...]], int]:
         """By the address of a draw, the attempt whose number scene `index` has."""
@@ -337,7 +337,7 @@ class BlockDrawing:
         self.left += 1
         index, attempt = place + self.start, int(self.next[0, place])
         try:
-            ended = run(self.begin(), from_stream(self.seed, index, attempt, self.batch.draws), fuel=self.batch.fuel)
+            ended = generate_scene(self.begin(), from_stream(self.seed, index, attempt, self.batch.draws), fuel=self.batch.fuel)
         except ScenicError as problem:
             self.fail(problem, index)
             return
@@ -360,7 +360,7 @@ class BlockDrawing:
         if len(out):
             worst, often = self.stuck.most_common(1)[0]
             text = f"no scene in {self.max_attempts:,} attempts: most often ({often:,} times in {self.runs:,} runs) this failed: {worst.text}"
-            self.fail(exhausted(text, self.max_attempts, self.stuck, seldom=True), int(out[0]) + self.start)
+            self.fail(no_scene_error(text, self.max_attempts, self.stuck, seldom=True), int(out[0]) + self.start)
         self.pending = pending[pending < self.stop - self.start]
 
     def block(self) -> Block:

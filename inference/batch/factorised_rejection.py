@@ -50,13 +50,13 @@ def components(graph: Graph) -> Component:
     for place in sorted(range(len(about)), key=lambda k: len(about[k])):
         met = [c for c in tops if c.addresses & about[place]]
         tops = [c for c in tops if c not in met]
-        tops.append(joined(about[place].difference(*(c.addresses for c in met)), (place,), met))
+        tops.append(join_components(about[place].difference(*(c.addresses for c in met)), (place,), met))
     loose = tuple(event for c in tops if not c.addresses for event in c.events)
     tops = [c for c in tops if c.addresses]
-    return joined(everything.difference(*(c.addresses for c in tops)), loose, tops)
+    return join_components(everything.difference(*(c.addresses for c in tops)), loose, tops)
 
 
-def joined(own: frozenset[Address], events: tuple[int, ...], parts: Sequence[Component]) -> Component:
+def join_components(own: frozenset[Address], events: tuple[int, ...], parts: Sequence[Component]) -> Component:
     """A component around others; one part alone is drawn again whenever the whole is, so that they are the same."""
     if len(parts) == 1:
         (part,) = parts
@@ -93,12 +93,12 @@ def worthwhile(graph: Graph, component: Component, rejects: Mapping[int, float])
     if not component.parts:
         return component
     parts = [worthwhile(graph, part, rejects) for part in component.parts]
-    best = joined(component.own, component.events, parts)
+    best = join_components(component.own, component.events, parts)
     for part in parts:
         if part not in best.parts:
             continue  # it was the only one that was left, so that it is part of the whole already
         others = [p for p in best.parts if p is not part]
-        without = joined(best.own | part.own, (*best.events, *part.events), [*others, *part.parts])
+        without = join_components(best.own | part.own, (*best.events, *part.events), [*others, *part.parts])
         if WORTH * expense(graph, without, rejects) < expense(graph, best, rejects):
             best = without
     return best
@@ -106,7 +106,7 @@ def worthwhile(graph: Graph, component: Component, rejects: Mapping[int, float])
 
 def expense(graph: Graph, component: Component, rejects: Mapping[int, float]) -> float:
     """The expected cost of drawing a component until it is accepted, in operations on numbers."""
-    known = computed(graph, component.parts)
+    known = event_node_numbers(graph, component.parts)
     total = sum(expense(graph, part, rejects) for part in component.parts)
     alive = 1.0
     rate = lambda k: min(rejects.get(k, 0.5), 1 - NEVER)  # noqa: E731
@@ -119,10 +119,10 @@ def expense(graph: Graph, component: Component, rejects: Mapping[int, float]) ->
     return total / alive
 
 
-def computed(graph: Graph, parts: Iterable[Component]) -> set[int]:
+def event_node_numbers(graph: Graph, parts: Iterable[Component]) -> set[int]:
     """The nodes that the events of the parts are about, by number."""
     roots = [root for part in parts for k in part.events for root in roots_of(graph.events[k])]
-    return {n.number for n in cone(roots, set())}.union(*(computed(graph, part.parts) for part in parts))
+    return {n.number for n in cone(roots, set())}.union(*(event_node_numbers(graph, part.parts) for part in parts))
 
 
 # Plans
@@ -150,7 +150,7 @@ def stages(graph: Graph, whole: Component, outputs: Sequence[GraphNode], rejects
 
     def make(component: Component, outputs: Sequence[GraphNode]) -> Stage:
         number = next(numbers)
-        inside = [computed(graph, [part]) | sites(graph, part.addresses) for part in component.parts]
+        inside = [event_node_numbers(graph, [part]) | sites(graph, part.addresses) for part in component.parts]
         known = set[int]().union(*inside)
         needed = frontier([*outputs, *(root for k in component.events for root in roots_of(graph.events[k]))], known)
         parts = [make(part, [n for n in needed if n.number in there]) for part, there in zip(component.parts, inside, strict=True)]
@@ -174,7 +174,7 @@ def frontier(roots: Sequence[GraphNode], known: Collection[int]) -> list[GraphNo
 # Report
 
 
-def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence[GraphNode]]]) -> list[str]:
+def describe_factorisation(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence[GraphNode]]]) -> list[str]:
     """What is drawn apart, or why nothing is. `places` has each object's name, and the nodes that its position is made of."""
     off = "factorised rejection is off"
     if not chosen.parts:
@@ -188,7 +188,7 @@ def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence
             which = ", ".join(inside[:MOST_NAMED]) + (", ..." if len(inside) > MOST_NAMED else "")
             lines_of = sorted({e.requirement.span.line for k in part.events if (e := graph.events[k]).requirement and e.requirement.span.line})
             where = f" (line{'s' * (len(lines_of) > 1)} {', '.join(map(str, lines_of[:MOST_NAMED]))})" if lines_of else ""
-            yield f"{'  ' * depth}{counted(len(part.addresses), 'draw')}, {counted(len(part.events), 'requirement')}{where}{which and ': ' + which}"
+            yield f"{'  ' * depth}{pluralise_count(len(part.addresses), 'draw')}, {pluralise_count(len(part.events), 'requirement')}{where}{which and ': ' + which}"
             yield from lines(part, depth + 1)
 
     return ["drawn apart, each again until the requirements about it alone hold:", *lines(chosen, 1)]
@@ -197,6 +197,6 @@ def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence
 MOST_NAMED = 6
 
 
-def counted(number: int, what: str) -> str:
+def pluralise_count(number: int, what: str) -> str:
     """A number of things."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -21,14 +21,14 @@ from ..comparison.scene_columns import (
     below,
     columns_of,
     features_table,
-    spread,
-    stacked,
+    flatten_json_leaves,
+    stack_tables,
 )
 from .block_rejection import Block
 from .graph import GraphNode
 from .jobs.scene_lines import attempts_of, others, own_fields
 from .row_calls import Columns
-from .scene_template import Template, listed
+from .scene_template import Template, row_values
 from .symbolic import Choice, Opaque, Traced, symbols_in
 
 Arrays = Iterator[tuple[str, np.ndarray]]
@@ -39,7 +39,7 @@ def features_in(template: Template, block: Block) -> FeatureTable:
     made = _features(template, block)
     if not block.others:
         return made
-    whole = stacked([made, *(features_table([scene]) for scene in block.others.values())])
+    whole = stack_tables([made, *(features_table([scene]) for scene in block.others.values())])
     order = np.argsort(np.concatenate([block.rows, np.fromiter(block.others, dtype=np.int64, count=len(block.others))]), kind="stable")
     return FeatureTable(whole.chosen(order).arrays, whole.n)
 
@@ -50,14 +50,14 @@ def _features(template: Template, block: Block) -> FeatureTable:
     if not count:
         return FeatureTable({}, 0)
     made: dict[str, np.ndarray] = {"attempts": attempts_of(block).astype(float)}
-    made |= constant("ego", str(template.ego_id), count)
+    made |= constant_feature_columns("ego", str(template.ego_id), count)
     for name, value in template.params.items():
         made |= leaves_of(f"params.{name}", value, columns, count)
-    made |= constant("objects", str(len(template.objects)), count)
+    made |= constant_feature_columns("objects", str(len(template.objects)), count)
     for i, o in enumerate(template.objects):
         place = f"objects[{i}]"
         x, y, heading, width, length = own_fields(o, columns, count)
-        made |= constant(f"{place}.class", o.class_name, count)
+        made |= constant_feature_columns(f"{place}.class", o.class_name, count)
         made |= {f"{place}.position[0]": as_floats(x), f"{place}.position[1]": as_floats(y)}
         made |= {f"{place}.heading": as_floats(heading), f"{place}.width": as_floats(width), f"{place}.length": as_floats(length)}
         for name, value in others(o).items():
@@ -70,7 +70,7 @@ def as_floats(values: np.ndarray | list[object]) -> np.ndarray:
     return np.array(values, dtype=np.float64)
 
 
-def constant(name: str, value: object, count: int) -> Mapping[str, np.ndarray]:
+def constant_feature_columns(name: str, value: object, count: int) -> Mapping[str, np.ndarray]:
     """The column of a value that is the same in all scenes."""
     return {leaf: np.repeat(values, count) for leaf, values in columns_of(name, [value])}
 
@@ -84,7 +84,7 @@ def _leaves_of(name: str, value: object, columns: Columns, count: int) -> Arrays
     match value:
         case _ if not symbols_in(value):
             for leaf, found in below(name, json_value(value)):
-                yield from constant(leaf, found, count).items()
+                yield from constant_feature_columns(leaf, found, count).items()
         case Traced() if not isinstance(value, (Choice, Opaque)) and is_finite(columns[value.node.number]):
             column = columns[value.node.number]
             yield name, np.where(column, "true", "false").astype(object) if column.dtype == bool else column.astype(np.float64)
@@ -100,9 +100,9 @@ def _leaves_of(name: str, value: object, columns: Columns, count: int) -> Arrays
                 yield from _leaves_of(f"{name}.{key}", item, columns, count)
         case Choice() if not symbols_in(value.values):
             texts = [json_value(v) for v in value.values]
-            yield from arrays_of(spread(name, [texts[k] for k in columns[value.node.number].tolist()])).items()
+            yield from arrays_of(flatten_json_leaves(name, [texts[k] for k in columns[value.node.number].tolist()])).items()
         case _:
-            yield from arrays_of(spread(name, [json_value(v) for v in listed(value, columns, count)])).items()
+            yield from arrays_of(flatten_json_leaves(name, [json_value(v) for v in row_values(value, columns, count)])).items()
 
 
 def is_finite(column: np.ndarray) -> bool:
@@ -116,25 +116,25 @@ def is_finite(column: np.ndarray) -> bool:
 def features_by_name(template: Template) -> Iterator[tuple[str, object]]:
     """The features that are a number or a choice by themselves, as what the program left there."""
     for name, value in template.params.items():
-        yield from _parts(f"params.{name}", value)
+        yield from _named_leaves(f"params.{name}", value)
     for i, o in enumerate(template.objects):
         for name, value in o.properties.items():
             place = f"objects[{i}].{name}" if name in ("position", "heading", "width", "length") else f"objects[{i}].properties.{name}"
-            yield from _parts(place, value)
+            yield from _named_leaves(place, value)
 
 
-def _parts(name: str, value: object) -> Iterator[tuple[str, object]]:
+def _named_leaves(name: str, value: object) -> Iterator[tuple[str, object]]:
     match value:
         case Random():
-            yield from _parts(name, value.value)
+            yield from _named_leaves(name, value.value)
         case Vector():
-            yield from _parts(name, [value.x, value.y])
+            yield from _named_leaves(name, [value.x, value.y])
         case list() | tuple() if type(value) in (list, tuple):
             for i, item in enumerate(value):
-                yield from _parts(f"{name}[{i}]", item)
+                yield from _named_leaves(f"{name}[{i}]", item)
         case dict() if type(value) is dict and all(type(key) is str for key in value):
             for key, item in value.items():
-                yield from _parts(f"{name}.{key}", item)
+                yield from _named_leaves(f"{name}.{key}", item)
         case Traced():
             yield name, value
 
@@ -160,6 +160,6 @@ def supports_of(template: Template) -> dict[str, Support]:
 
 def support_of_choice(name: str, values: Sequence[object]) -> dict[str, Support]:
     """The supports of the leaves of a choice among values in JSON."""
-    arrays = arrays_of(spread(name, list(values)))
+    arrays = arrays_of(flatten_json_leaves(name, list(values)))
     return {leaf: Support(values=tuple(dict.fromkeys(column.tolist()))) for leaf, column in arrays.items() if leaf + OTHERWISE not in arrays}
 

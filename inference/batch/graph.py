@@ -222,7 +222,7 @@ def _times(a: Bounds, b: Bounds) -> Bounds:
     return min(products), max(products)
 
 
-def _divided(a: Bounds, b: Bounds) -> Bounds:
+def _quotient_bounds(a: Bounds, b: Bounds) -> Bounds:
     if b[0] <= 0 <= b[1]:
         return -math.inf, math.inf
     quotients = [x / y for x in a for y in b]
@@ -243,7 +243,7 @@ _RULES: dict[object, Callable[..., Bounds]] = {
     np.add: lambda a, b: (a[0] + b[0], a[1] + b[1]),
     np.subtract: lambda a, b: (a[0] - b[1], a[1] - b[0]),
     np.multiply: _times,
-    np.true_divide: _divided,
+    np.true_divide: _quotient_bounds,
     np.negative: lambda a: (-a[1], -a[0]),
     np.positive: lambda a: a,
     np.absolute: _absolute,
@@ -263,8 +263,8 @@ OPERATORS: Mapping[object, str] = {
 }
 
 
-def between(function: object, arguments: tuple[object, ...]) -> str:
-    """The operator of a comparison that `decided` has decided, and what keeps its two sides apart, in words: bounds need not be reached."""
+def explain_decided_comparison(function: object, arguments: tuple[object, ...]) -> str:
+    """The operator of a comparison that `decide_comparison` has decided, and what keeps its two sides apart, in words: bounds need not be reached."""
     known = [a.bounds if isinstance(a, GraphNode) else _constant_bounds(a) for a in arguments]
     left, right = ((math.inf, math.inf) if found is None else found for found in known)
     left_is_less = left[1] <= right[0]
@@ -279,7 +279,7 @@ def between(function: object, arguments: tuple[object, ...]) -> str:
     return f"{OPERATORS[function]}: its left side {side(left, left_is_less)}, and its right side {side(right, not left_is_less)}"
 
 
-def decided(function: object, arguments: tuple[object, ...]) -> bool | None:
+def decide_comparison(function: object, arguments: tuple[object, ...]) -> bool | None:
     """The result of a comparison that is the same for all values within the bounds of the arguments, or None."""
     if function not in (np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal):
         return None

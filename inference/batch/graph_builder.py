@@ -11,7 +11,7 @@ import numpy as np
 
 from ...semantics.machine.host_calls import DoorStuck, HostException
 from ...semantics.machine.outcome import Requirement
-from ...semantics.machine.stuck_runs import UNMET, unmet
+from ...semantics.machine.stuck_runs import UNMET, unmet_requirement
 from ...semantics.machine.values import Bound, Native
 from ...semantics.python.calls import invoke
 from ...semantics.python.elementwise_builtins import select
@@ -39,9 +39,9 @@ from .graph import (
     RowCall,
     Search,
     Site,
-    between,
     bounds_of,
-    decided,
+    decide_comparison,
+    explain_decided_comparison,
 )
 from .symbolic import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced, in_row, symbols_in
 
@@ -76,10 +76,10 @@ def siblings_of(value: object) -> tuple[object, ...]:
     return value.siblings if isinstance(value, Listed) else ()
 
 
-def name_of(function: object) -> str:
+def traced_function_name(function: object) -> str:
     """A function as reports call it."""
     if isinstance(function, Traced):
-        return name_of(function.example)
+        return traced_function_name(function.example)
     if function is select:
         return "filter"
     owner = getattr(function, "__self__", function)
@@ -187,9 +187,9 @@ class Recorder:
         if not any(isinstance(a, GraphNode) for a in operands):
             result = function(*operands)
             return result.item() if isinstance(result, np.generic) else result
-        constant = decided(function, tuple(operands))
+        constant = decide_comparison(function, tuple(operands))
         if constant is not None:
-            self.decision = between(function, tuple(operands)) if constant is False else ""
+            self.decision = explain_decided_comparison(function, tuple(operands)) if constant is False else ""
             return constant
         if function in (np.logical_and, np.logical_or) and not all(isinstance(a, GraphNode) for a in operands):
             fixed = operands[0] if not isinstance(operands[0], GraphNode) else operands[1]
@@ -343,7 +343,7 @@ class Recorder:
             try:
                 results.append(function())
             except UNMET as problem:
-                failures[position] = unmet(problem, NOWHERE)
+                failures[position] = unmet_requirement(problem, NOWHERE)
             except Exception as problem:
                 failures[position] = problem
             except (Mistaken, Retry):
@@ -355,7 +355,7 @@ class Recorder:
             self.forget(events)
             return NotImplemented
         if failures:
-            self.note_failures(index, failures, len(results), name_of(operation))
+            self.note_failures(index, failures, len(results), traced_function_name(operation))
             instead = results[index.example]  # type: ignore[call-overload]
             results = [instead if position in failures else result for position, result in enumerate(results)]
         return self.merge(index, results)
@@ -452,12 +452,12 @@ class Recorder:
         except UNMET as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
-            raise Mistaken(f"{name_of(arguments[0] if function is invoke else function)}: {problem}") from None
+            raise Mistaken(f"{traced_function_name(arguments[0] if function is invoke else function)}: {problem}") from None
         if symbols_in(example):
             raise NotLifted("a function gives a random value that it has hidden")
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
-        text = name_of(arguments[0] if function is invoke else function)
+        text = traced_function_name(arguments[0] if function is invoke else function)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         optional = kind == "object" and not isinstance(example, Vector)
         among = (*siblings_of(example), None) if optional and siblings_of(example) else ()

@@ -72,7 +72,7 @@ class Writer:
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-        self.names: dict[str, object] = {"math": math, "np": np, "philox": numba_kernels.philox, "bisect_right": numba_kernels.bisect_right}
+        self.names: dict[str, object] = {"math": math, "np": np, "philox": numba_kernels.philox_uniforms, "bisect_right": numba_kernels.bisect_right}
         self.callees: list[str] = []
         self.arrays: dict[str, np.ndarray] = {}
         self.blocks: dict[tuple[object, ...], str] = {}
@@ -392,7 +392,7 @@ def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[n
         "    for j in range(len(live)):",
     ]
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
-    return numba_kernels.made(source, "evaluator", writer.names, writer.callees), tuple(writer.arrays.values()), events
+    return numba_kernels.compile_function_text(source, "evaluator", writer.names, writer.callees), tuple(writer.arrays.values()), events
 
 
 def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None = None) -> tuple[Callable[..., object], str]:
@@ -410,7 +410,7 @@ def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None 
     returned = writer.operand(graph.result) if margin is None else margin(writer, graph.result)
     arguments = ", ".join(f"v{node.number}" for node in graph.arguments)
     source = "\n".join([f"def function({arguments}):", *writer.lines, f"    return {returned}"])
-    return numba_kernels.made(source, "function", writer.names, writer.callees), "\n".join([source, *writer.callees])
+    return numba_kernels.compile_function_text(source, "function", writer.names, writer.callees), "\n".join([source, *writer.callees])
 
 
 Address = tuple[int, ...]
@@ -519,7 +519,7 @@ def compile_violations(
         "        total = 0.0",
         "        while True:",
     ]
-    compiled = numba_kernels.made("\n".join([*head, *writer.lines]), "violations", writer.names, writer.callees)
+    compiled = numba_kernels.compile_function_text("\n".join([*head, *writer.lines]), "violations", writer.names, writer.callees)
     arrays = tuple(writer.arrays.values())
 
     def violations(uniforms: np.ndarray, words: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -58,7 +58,7 @@ _POWERS, _PAIRS = powers(), pairs()
 
 
 @compile_
-def scaled(high: Any, low: Any, number: Any) -> Any:
+def scale_by_power_of_ten(high: Any, low: Any, number: Any) -> Any:
     """A number times a power of ten, rounded so that comparisons are not changed."""
     carried = (high * number >> _ONE) + high_word(low, number)
     return (high_word(high, number) + (carried >> _WORD)) | (((carried & _LOW) + _LOW) >> _WORD)
@@ -77,9 +77,9 @@ def shortest(bits: Any) -> tuple[Any, Any]:
     shift = np.uint64(exponent + (-power * LOG_10 >> 38) + 2)
     high, low = _POWERS[-power - LEAST_POWER, 0], _POWERS[-power - LEAST_POWER, 1]
     here = mantissa * _FOUR
-    value = scaled(high, low, here << shift)
-    least = scaled(high, low, (here - (_TWO if even_lower else _ONE)) << shift) + odd
-    most = scaled(high, low, (here + _TWO) << shift)
+    value = scale_by_power_of_ten(high, low, here << shift)
+    least = scale_by_power_of_ten(high, low, (here - (_TWO if even_lower else _ONE)) << shift) + odd
+    most = scale_by_power_of_ten(high, low, (here + _TWO) << shift)
     digits = value >> _TWO
     tens = digits // _TEN * _TEN
     below, above = least <= tens * _FOUR, (tens + _TEN) * _FOUR + odd <= most
@@ -97,7 +97,7 @@ def shortest(bits: Any) -> tuple[Any, Any]:
 
 
 @compile_
-def length_of(number: Any) -> Any:
+def digit_count(number: Any) -> Any:
     """How many digits a whole number has."""
     if _MANY <= number < _MOST:
         return 16 + (number >= _MANY * _TEN)
@@ -152,7 +152,7 @@ def put_whole(out: np.ndarray, at: int, number: int) -> int:
     if number < 0:
         out[at] = MINUS
         at, size = at + 1, np.uint64(-number)
-    end = at + length_of(size)
+    end = at + digit_count(size)
     put_digits(out, end, size)
     return end
 
@@ -207,7 +207,7 @@ def put_float(out: np.ndarray, at: Any, bits: Any) -> int:
     if bits == 0:
         return put_plain(out, at, bits, 1, 1)
     digits, power = shortest(bits)
-    length = length_of(digits)
+    length = digit_count(digits)
     point = length + power
     if LEAST_POINT <= point <= LARGEST_POINT:
         return put_plain(out, at, digits, length, point)

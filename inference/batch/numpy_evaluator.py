@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...semantics.machine.outcome import Requirement
-from ...semantics.machine.stuck_runs import UNMET, unmet
+from ...semantics.machine.stuck_runs import UNMET, unmet_requirement
 from ...semantics.space.box_crowds import crowd_meets
 from ...semantics.space.numeric_functions import Elementary
 from ...semantics.space.symbol_seam import NotLifted
@@ -185,15 +185,15 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
             methods = column_methods(function)
             if methods is not None:
                 return call_column(node, function, methods, columns, failed, len(numbers))
-            return rows_of(node, _calling(function), columns, failed, len(numbers))
+            return rows_of(node, _row_caller(function), columns, failed, len(numbers))
         case RowDraw():
             found = is_clipped(function)
             if found is not None:
-                return _clipped(node, function, found, columns, numbers, failed)
+                return _sample_clipped_points(node, function, found, columns, numbers, failed)
             proposed = proposed_in(function.distribution)
             if proposed is not None:
-                return _proposed(node, function, proposed, columns, numbers, failed)
-            return rows_of(node, _drawing(function, numbers), columns, failed, len(numbers))
+                return _sample_proposed_points(node, function, proposed, columns, numbers, failed)
+            return rows_of(node, _row_drawer(function, numbers), columns, failed, len(numbers))
         case _ if function is int:
             return operands[0].astype(np.int64)  # type: ignore[union-attr]
         case _ if function is np.where:
@@ -209,7 +209,7 @@ def part_of(objects: np.ndarray, name: str) -> np.ndarray:
     return np.fromiter((getattr(v, name) for v in objects), dtype=float, count=len(objects))
 
 
-def _clipped(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
+def _sample_clipped_points(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
     count = len(numbers)
     values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
     tests = curve_tests(found.curve, largest_radius(found.radius))
@@ -220,12 +220,12 @@ def _clipped(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, n
     return points
 
 
-def _proposed(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
+def _sample_proposed_points(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
     """The points that are found soon, and the others one by one."""
     points = proposed_points(found, columns, numbers, draw)
     rest = np.flatnonzero(np.isnan(points[:, 0]))
     if len(rest):
-        drawn = rows_of(node, _drawing(draw, numbers), columns, failed, len(points), rest)
+        drawn = rows_of(node, _row_drawer(draw, numbers), columns, failed, len(points), rest)
         points[rest] = [(v.x, v.y) for v in drawn[rest]]
     return points
 
@@ -246,7 +246,7 @@ def call_column(
         failed[node.number] = FailedRows(missing, np.zeros(count, dtype=bool))
     elif missing.any():
         rows = np.flatnonzero(missing)
-        result[rows] = rows_of(node, _calling(call), columns, failed, count, rows)[rows]
+        result[rows] = rows_of(node, _row_caller(call), columns, failed, count, rows)[rows]
     return result
 
 
@@ -267,7 +267,7 @@ InRow = Callable[[Callable[[GraphNode], object], int], object]
 
 
 @lru_cache(maxsize=256)
-def _calling(call: RowCall) -> InRow:
+def _row_caller(call: RowCall) -> InRow:
     """What makes the call in a row: once for what elements of a map, truth values and whole numbers are drawn, where it hangs on nothing else."""
     arguments, keywords = row_maker(call.structure), row_maker(call.keywords)
     nodes = list(dict.fromkeys(nodes_in((call.structure, call.keywords))))
@@ -300,7 +300,7 @@ def kept_as(value: object) -> object:
     return (type(value), value) if type(value) in (bool, int) else id(value) if isinstance(value, Unchanging) else None
 
 
-def _drawing(draw: RowDraw, numbers: Numbers) -> InRow:
+def _row_drawer(draw: RowDraw, numbers: Numbers) -> InRow:
     distribution = row_maker(draw.distribution)
     return lambda resolve, row: distribution(resolve).sample(numbers.stream(row, draw.address, draw.per_scene))
 
@@ -315,7 +315,7 @@ def rows_of(
         try:
             result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
         except UNMET as problem:
-            rejected[row], result[row], reasons[row] = True, node.example, unmet(problem, NOWHERE)
+            rejected[row], result[row], reasons[row] = True, node.example, unmet_requirement(problem, NOWHERE)
         except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
             left[row], result[row] = True, node.example
     if rejected.any() or left.any():

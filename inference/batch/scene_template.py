@@ -68,10 +68,10 @@ def template_of(state: State, *, pruned: bool = False) -> Template:
 def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarray, attempts: np.ndarray) -> Iterator[Scene]:
     """The scenes of the rows; `attempts` counts from 0."""
     count = len(indices)
-    params = [(name, listed(value, columns, count)) for name, value in template.params.items()]
+    params = [(name, row_values(value, columns, count)) for name, value in template.params.items()]
     objects = []
     for o in template.objects:
-        values = {name: listed(value, columns, count) for name, value in o.properties.items()}
+        values = {name: row_values(value, columns, count) for name, value in o.properties.items()}
         position, heading, width, length = (values.pop(name) for name in OWN_FIELDS)
         turned = normalise_heading(np.array(heading, dtype=float)).tolist()  # type: ignore[arg-type, attr-defined]
         objects.append((o, position, turned, width, length, list(values.items())))
@@ -88,7 +88,7 @@ def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarr
         )
 
 
-def listed(value: object, columns: Columns, count: int) -> list[object]:
+def row_values(value: object, columns: Columns, count: int) -> list[object]:
     """What a value is in each row."""
     match value:
         case Choice() if not symbols_in(value.values):
@@ -98,7 +98,7 @@ def listed(value: object, columns: Columns, count: int) -> list[object]:
         case Traced() if not isinstance(value, Choice):
             return columns[value.node.number].tolist()
         case Vector():
-            return [Vector(x, y) for x, y in zip(listed(value.x, columns, count), listed(value.y, columns, count), strict=True)]  # type: ignore[arg-type]
+            return [Vector(x, y) for x, y in zip(row_values(value.x, columns, count), row_values(value.y, columns, count), strict=True)]  # type: ignore[arg-type]
         case _ if not symbols_in(value):
             return [value] * count
     needed = {node.number: columns[node.number].tolist() for node in nodes_in(value)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...interpreter.runtime.optional_packages import needed
+from ...interpreter.runtime.optional_packages import missing_package_error
 
 
 def check_device(name: str) -> None:
@@ -10,5 +10,5 @@ def check_device(name: str) -> None:
     try:
         from .torch_lowering import device_of
     except ImportError as problem:
-        raise needed("a device", "torch", problem) from None
+        raise missing_package_error("a device", "torch", problem) from None
     device_of(name)

@@ -33,7 +33,7 @@ from .primitives.point_in_polygon import TIE
 from .primitives.random_numbers import Numbers
 from .row_calls import Columns, FailedRows
 from .symbolic import Traced
-from .torch_lowering import ROUNDING, Doubts, Kit, Rounded, constant, device_of, largest_of, operands_of, truth
+from .torch_lowering import ROUNDING, Doubts, Kit, Rounded, constant_tensor, device_of, largest_of, operands_of, truth
 
 LOW, HALF = 0xFFFFFFFF, 32
 
@@ -77,9 +77,9 @@ class DeviceNumbers:
         block, word = divmod(site.index, 4)
         name = (site.address, block, site.per_scene)
         if name not in self.blocks:
-            attempts = torch.full_like(self.scenes, signed(PER_SCENE)) if site.per_scene else self.attempts
-            self.blocks[name] = philox((self.seed, site_code(site.address)), self.scenes, attempts, block)
-        return shifted(self.blocks[name][word], UNUSED_BITS).to(torch.float64) * UNIT
+            attempts = torch.full_like(self.scenes, as_signed_word(PER_SCENE)) if site.per_scene else self.attempts
+            self.blocks[name] = philox_tensors((self.seed, site_code(site.address)), self.scenes, attempts, block)
+        return logical_shift_right(self.blocks[name][word], UNUSED_BITS).to(torch.float64) * UNIT
 
     def keep(self, kept: Tensor) -> None:
         """Leave out all rows but these, of which the numbers are given."""
@@ -87,32 +87,32 @@ class DeviceNumbers:
         self.blocks = {name: [words.index_select(0, kept) for words in block] for name, block in self.blocks.items()}
 
 
-def philox(key: tuple[int, int], scenes: Tensor, attempts: Tensor, block: int) -> list[Tensor]:
+def philox_tensors(key: tuple[int, int], scenes: Tensor, attempts: Tensor, block: int) -> list[Tensor]:
     """Philox4x64-10 of the counters (scene, attempt, block, 0): its four words, each (rows,), in int64 with the bits of uint64."""
     k0, k1 = key
     c0, c1, c2, c3 = scenes, attempts, torch.full_like(scenes, block), torch.zeros_like(scenes)
     for _ in range(ROUNDS):
         high0, low0 = product(MULTIPLIER_0, c0)
         high1, low1 = product(MULTIPLIER_1, c2)
-        c0, c1, c2, c3 = high1 ^ c1 ^ signed(k0), low1, high0 ^ c3 ^ signed(k1), low0
+        c0, c1, c2, c3 = high1 ^ c1 ^ as_signed_word(k0), low1, high0 ^ c3 ^ as_signed_word(k1), low0
         k0, k1 = (k0 + WEYL_0) & WORD, (k1 + WEYL_1) & WORD
     return [c0, c1, c2, c3]
 
 
 def product(a: int, b: Tensor) -> tuple[Tensor, Tensor]:
     """The high and low words of the 128-bit product of words."""
-    a_low, a_high, b_low, b_high = a & LOW, a >> HALF, b & LOW, shifted(b, HALF)
-    middle = a_high * b_low + shifted(a_low * b_low, HALF)
+    a_low, a_high, b_low, b_high = a & LOW, a >> HALF, b & LOW, logical_shift_right(b, HALF)
+    middle = a_high * b_low + logical_shift_right(a_low * b_low, HALF)
     other = a_low * b_high + (middle & LOW)
-    return a_high * b_high + shifted(middle, HALF) + shifted(other, HALF), signed(a) * b
+    return a_high * b_high + logical_shift_right(middle, HALF) + logical_shift_right(other, HALF), as_signed_word(a) * b
 
 
-def shifted(words: Tensor, bits: int) -> Tensor:
+def logical_shift_right(words: Tensor, bits: int) -> Tensor:
     """Words shifted right, zeros coming in."""
     return (words >> bits) & ((1 << 64 - bits) - 1)
 
 
-def signed(word: int) -> int:
+def as_signed_word(word: int) -> int:
     """The number in int64 that has the bits of a word."""
     return word - (1 << 64) if word >> 63 else word
 
@@ -167,7 +167,7 @@ class TensorColumns(dict[int, Rounded]):
 
     def operand(self, argument: object) -> Rounded:
         """The column of a node, or a constant."""
-        return self[argument.number] if isinstance(argument, GraphNode) else constant(argument)
+        return self[argument.number] if isinstance(argument, GraphNode) else constant_tensor(argument)
 
     def over_rows(self, found: Rounded) -> Rounded:
         """A column, for a constant as well."""
@@ -180,7 +180,7 @@ class TensorColumns(dict[int, Rounded]):
         for number, operation in prepared.steps:
             known[number] = operation(self.doubts, known)
         result = prepared.result
-        return known, known[result.number] if isinstance(result, GraphNode) else constant(result)
+        return known, known[result.number] if isinstance(result, GraphNode) else constant_tensor(result)
 
     # Tests on polygons
 

@@ -113,7 +113,7 @@ def largest_of(values: Tensor) -> float:
     return most(plain, plain < math.inf)
 
 
-def settled(doubts: Doubts, values: Tensor, error: Tensor) -> Rounded:
+def bound_rounding_error(doubts: Doubts, values: Tensor, error: Tensor) -> Rounded:
     """A result with an error for each row: rows in which it is large are doubtful."""
     plain = values.detach().abs()
     typical = error.nanmedian() if error.numel() else error.new_zeros(())
@@ -126,7 +126,7 @@ def settled(doubts: Doubts, values: Tensor, error: Tensor) -> Rounded:
 # Rules: those of an operation take doubts and the operands
 
 
-def added(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
+def sum_rule(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
     """A sum or a difference."""
 
     def rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
@@ -136,14 +136,14 @@ def added(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
     return rule
 
 
-def multiplied(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
+def product_rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
     """A product."""
     error = times(a.largest, b.error) + times(b.largest, a.error) + times(a.error, b.error)
     largest = times(a.largest, b.largest)
     return Rounded(a.values * b.values, error and error + STEP * largest, largest)
 
 
-def divided(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
+def quotient_rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
     """A quotient: doubtful where the divisor might be 0."""
     values = a.values / b.values
     if not (a.error or b.error):
@@ -152,7 +152,7 @@ def divided(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
         return Rounded(values, (a.error + STEP * a.largest) / b.largest, a.largest / b.largest)
     plain, divisor = values.detach().abs(), b.values.detach().abs()
     doubts.add(divisor <= b.error)
-    return settled(doubts, values, (a.error + plain * b.error) / (divisor - b.error) + STEP * plain)
+    return bound_rounding_error(doubts, values, (a.error + plain * b.error) / (divisor - b.error) + STEP * plain)
 
 
 def remainder(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
@@ -165,12 +165,12 @@ def remainder(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
         left, divisor = values.detach().abs(), b.values.detach().abs()
         error = a.error + b.error * (a.values.detach().abs() / divisor + 1) + STEP * divisor
         doubts.add((left <= error) | (divisor - left <= error))
-        return settled(doubts, values, error)
+        return bound_rounding_error(doubts, values, error)
 
     return rule
 
 
-def unchanged(operation: Callable[[Tensor], Tensor]) -> Rule:
+def isometry_rule(operation: Callable[[Tensor], Tensor]) -> Rule:
     """What moves a number by as much as its operand moves."""
     return lambda doubts, a: Rounded(operation(a.values), a.error, a.largest)
 
@@ -202,7 +202,7 @@ def monotone(operation: Callable[[Tensor], Tensor]) -> Rule:
         low, high = operation(operand - a.error), operation(operand + a.error)
         doubts.add(low.isnan() != high.isnan())
         spread = torch.maximum((high - plain).abs(), (low - plain).abs())
-        found = settled(doubts, values, spread)
+        found = bound_rounding_error(doubts, values, spread)
         return found._replace(error=found.error + 4 * LIBRARY * max(found.largest, 1.0))
 
     return rule
@@ -247,11 +247,11 @@ def angle(doubts: Doubts, y: Rounded, x: Rounded) -> Rounded:
     doubts.add(away <= 2 * error)
     if y.error:
         doubts.add((across.abs() <= y.error) & (along < x.error))
-    found = settled(doubts, values, 2 * error / (away - error))
+    found = bound_rounding_error(doubts, values, 2 * error / (away - error))
     return found._replace(error=found.error + LIBRARY * math.pi)
 
 
-def compared(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
+def comparison_rule(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
     """A comparison: doubtful where the sides are as near as rounding."""
 
     def rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
@@ -273,7 +273,7 @@ def truth(values: Tensor) -> Rounded:
     return Rounded(values, 0.0, 1.0)
 
 
-def chosen(doubts: Doubts, condition: Rounded, then: Rounded, otherwise: Rounded) -> Rounded:
+def select_rule(doubts: Doubts, condition: Rounded, then: Rounded, otherwise: Rounded) -> Rounded:
     """`then` where the condition holds, else `otherwise`."""
     values = torch.where(condition.values, then.values, otherwise.values)
     return Rounded(values, max(then.error, otherwise.error), max(then.largest, otherwise.largest))
@@ -296,7 +296,7 @@ def on_floats(rule: Rule) -> Rule:
     return lambda doubts, *operands: rule(doubts, *(as_float(doubts, o) for o in operands))
 
 
-def searched(cumulative: Tensor, doubts: Doubts, a: Rounded) -> Rounded:
+def search_rule(cumulative: Tensor, doubts: Doubts, a: Rounded) -> Rounded:
     """How many of the increasing numbers are at most the operand."""
     values = a.values.detach().contiguous()
     found = torch.searchsorted(cumulative, values, right=True)
@@ -307,17 +307,17 @@ def searched(cumulative: Tensor, doubts: Doubts, a: Rounded) -> Rounded:
 
 
 COMPARISONS: dict[object, Rule] = {
-    np.less: compared(torch.lt), np.less_equal: compared(torch.le), np.greater: compared(torch.gt), np.greater_equal: compared(torch.ge),
-    np.equal: compared(torch.eq), np.not_equal: compared(torch.ne),
+    np.less: comparison_rule(torch.lt), np.less_equal: comparison_rule(torch.le), np.greater: comparison_rule(torch.gt), np.greater_equal: comparison_rule(torch.ge),
+    np.equal: comparison_rule(torch.eq), np.not_equal: comparison_rule(torch.ne),
 }  # fmt: skip
 LOGICAL: dict[object, Rule] = {
     np.logical_and: logical(torch.logical_and), np.logical_or: logical(torch.logical_or), np.logical_xor: logical(torch.logical_xor),
     np.logical_not: logical(torch.logical_not),
 }  # fmt: skip
 NUMERIC: dict[object, Rule] = {
-    np.add: added(torch.add), np.subtract: added(torch.sub), np.multiply: multiplied, np.true_divide: divided,
+    np.add: sum_rule(torch.add), np.subtract: sum_rule(torch.sub), np.multiply: product_rule, np.true_divide: quotient_rule,
     np.mod: remainder(torch.remainder), np.fmod: remainder(torch.fmod),
-    np.negative: unchanged(torch.neg), np.positive: unchanged(torch.clone), np.absolute: unchanged(torch.abs),
+    np.negative: isometry_rule(torch.neg), np.positive: isometry_rule(torch.clone), np.absolute: isometry_rule(torch.abs),
     np.minimum: extreme(torch.minimum), np.maximum: extreme(torch.maximum),
     np.sqrt: monotone(torch.sqrt), np.sin: circular(torch.sin), np.cos: circular(torch.cos), np.hypot: hypotenuse, arc_tangent: angle,
     exponential: monotone(of_c(torch.exp)), exponential_less_one: monotone(of_c(torch.expm1)),
@@ -328,7 +328,7 @@ NUMERIC: dict[object, Rule] = {
 """The operations on numbers, by what stands for them in a graph."""
 RULES: dict[object, Rule] = {**NUMERIC, **COMPARISONS, **LOGICAL}
 
-__all__ = ["NUMERIC", "ROUNDING", "RULES", "Doubts", "Rounded", "Rule", "as_float", "chosen", "largest_of", "on_floats", "position", "searched"]
+__all__ = ["NUMERIC", "ROUNDING", "RULES", "Doubts", "Rounded", "Rule", "as_float", "largest_of", "on_floats", "position", "search_rule", "select_rule"]
 
 
 DEVICES = ("cpu", "cuda")
@@ -397,7 +397,7 @@ class Kit:
     def operation(self, node: GraphNode) -> Operation:
         """An operation on numbers and truth values, prepared once."""
         if node not in self.operations:
-            arguments = tuple(a.number if isinstance(a, GraphNode) else constant(a) for a in node.arguments)
+            arguments = tuple(a.number if isinstance(a, GraphNode) else constant_tensor(a) for a in node.arguments)
             self.operations[node] = Operation(self.rule(node), arguments)
         return self.operations[node]
 
@@ -410,13 +410,13 @@ class Kit:
                 largest = largest_of(table) if table.dtype == torch.float64 else 1.0
                 return lambda doubts, index: Rounded(table[index.values], 0.0, largest)
             case Search(cumulative=cumulative):
-                return partial(searched, self.table(cumulative))
+                return partial(search_rule, self.table(cumulative))
             case AsFloat():
                 return as_float
             case _ if function is int:
                 return position
             case _ if function is np.where:
-                return chosen
+                return select_rule
             case _:
                 truths = [isinstance(a, bool) or (isinstance(a, GraphNode) and a.kind == "bool") for a in node.arguments]
                 return on_floats(RULES[function]) if function in NUMERIC and any(truths) else RULES[function]
@@ -450,7 +450,7 @@ class Kit:
         return self.fields[tests], self.table(headings)
 
 
-def constant(value: object) -> Rounded:
+def constant_tensor(value: object) -> Rounded:
     """A number or truth value of the graph as a tensor without rows, which any device takes."""
     number = value if isinstance(value, bool) else float(value)  # type: ignore[arg-type]
     return Rounded(torch.tensor(number, dtype=torch.bool if isinstance(value, bool) else torch.float64), 0.0, abs(float(number)))
@@ -469,16 +469,16 @@ def why_not(node: GraphNode) -> str | None:
         case RowDraw():
             return "a point that is drawn in a region which differs from run to run"
         case RowCall(text=text):
-            return None if is_polygon_test(function) and all(map(is_number, operands_of(function))) else text
+            return None if is_polygon_test(function) and all(map(is_number_node, operands_of(function))) else text
         case _ if function is int or function is np.where:
             return None
         case _ if function in NUMERIC and all(isinstance(a, GraphNode) and a.kind == "bool" for a in node.arguments):
-            return f"{name_of(function)} of truth values"
+            return f"{operation_name(function)} of truth values"
         case _:
-            return None if function in RULES else name_of(function)
+            return None if function in RULES else operation_name(function)
 
 
-def name_of(function: object) -> str:
+def operation_name(function: object) -> str:
     """An operation as reports call it."""
     return getattr(function, "__name__", str(function))
 
@@ -488,7 +488,7 @@ def operands_of(call: RowCall) -> list[object]:
     return [part for value in call.structure[1:] for part in (value if isinstance(value, Vector) else (value,))]
 
 
-def is_number(value: object) -> bool:
+def is_number_node(value: object) -> bool:
     """Whether a value is a number, or a symbol for one with a node of its own."""
     if isinstance(value, Traced):
         return not isinstance(value, (Choice, Opaque)) and value.node.kind == "float"

@@ -68,7 +68,7 @@ class Margins:
         columns.compute(self.nodes)
         lost = [np.logical_or(*looked_at(event, columns)) for event in self.others]
         described = ~np.any(lost, axis=0) if lost else np.ones(len(states), dtype=bool)
-        values = [required(event, columns) for event in self.events]
+        values = [requirement_margin(event, columns) for event in self.events]
         stacked = torch.stack(values) if values else uniforms.new_zeros((0, len(states)))
         poses = tuple(tuple(None if n is None else columns[n.number].values for n in pose) for pose in self.poses)
         return MarginsAt(self.requirements, stacked, uniforms, poses, torch.from_numpy(described))
@@ -150,7 +150,7 @@ def node_of(value: object) -> GraphNode | None:
 # Margins
 
 
-def required(event: GraphEvent, columns: TensorColumns) -> Tensor:
+def requirement_margin(event: GraphEvent, columns: TensorColumns) -> Tensor:
     """By how much the requirement of an event is met, or the coin under which it counts shows tails."""
     found = margin(event.node, columns, columns)
     found = found if event.expected else -found
@@ -190,8 +190,8 @@ def margin(node: object, columns: TensorColumns, known: Mapping[int, Rounded]) -
 def point_margin(polygon: TensorPolygon, inside: Tensor, x: Tensor, y: Tensor) -> Tensor:
     """How far points are from the boundary of a polygon, in metres; negative outside."""
     with torch.no_grad():
-        edge = nearest(polygon, lambda edges, rows: squared(polygon.edges[edges], x[rows, None], y[rows, None]), len(x))
-    away = torch.sqrt(squared(polygon.edges[edge], x, y).clamp(min=1e-300))
+        edge = nearest(polygon, lambda edges, rows: squared_edge_distances(polygon.edges[edges], x[rows, None], y[rows, None]), len(x))
+    away = torch.sqrt(squared_edge_distances(polygon.edges[edge], x, y).clamp(min=1e-300))
     return torch.where(inside, away, -away)
 
 
@@ -223,7 +223,7 @@ def nearest(polygon: TensorPolygon, measure: Callable[[Tensor, slice], Tensor], 
     return torch.cat(pieces) if pieces else torch.zeros(0, dtype=torch.int64, device=polygon.device)
 
 
-def squared(edges: Tensor, x: Tensor, y: Tensor) -> Tensor:
+def squared_edge_distances(edges: Tensor, x: Tensor, y: Tensor) -> Tensor:
     """The squared distances of points from edges, in square metres."""
     ax, ay, bx, by = edges.unbind(-1)
     dx, dy = bx - ax, by - ay

@@ -14,18 +14,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...interpreter.language.printer import to_source
-from ...interpreter.runtime.answerers import AS_THEY_ARE, PER_SCENE, Draws, from_stream, replaced
-from ...interpreter.runtime.process_sandbox import within
-from ...interpreter.runtime.program_run import Accepted, Beginnings, run
+from ...interpreter.runtime.answerers import AS_THEY_ARE, PER_SCENE, Draws, from_stream, replace_distribution
+from ...interpreter.runtime.process_sandbox import guard_run
+from ...interpreter.runtime.program_run import Accepted, Beginnings, generate_scene
 from ...interpreter.runtime.random_streams import Stream
 from ...semantics.machine.config import Abrupt, Config, State, Value
 from ...semantics.machine.error_places import frames_of
 from ...semantics.machine.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ...semantics.machine.run_loop import End, drive_machine
-from ...semantics.machine.stuck_runs import KINDS_OF_UNMET, NothingToDraw, unmet
+from ...semantics.machine.stuck_runs import KINDS_OF_UNMET, NothingToDraw, unmet_requirement
 from ...semantics.machine.values import Bound, Dynamic, Function, Instance, Method, Module, Random, unwrap
 from ...semantics.python.arithmetic import BINARY, UNARY
-from ...semantics.python.assignment import written
+from ...semantics.python.assignment import assigned_variables
 from ...semantics.python.builtin_rules import container_method
 from ...semantics.python.calls import invoke, vector
 from ...semantics.python.elementwise_builtins import SelectingInCases
@@ -104,7 +104,7 @@ def draw_item(distribution: Uniform, uniform: Uniforms, made: Recorder) -> Any:
     if sum(map(len, among)) > MOST_ITEMS:
         return NotImplemented
     index = choices[0].node
-    empty = {case: unmet(NothingToDraw(distribution.name), NOWHERE) for case in cases if not among[case]}
+    empty = {case: unmet_requirement(NothingToDraw(distribution.name), NOWHERE) for case in cases if not among[case]}
     if empty:
         made.note_failures(index, empty, len(among), distribution.name)
     return pick_item(index, among, uniform, made)
@@ -337,7 +337,7 @@ class Lifted(NamedTuple):
     state: State
 
 
-def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
+def trace_program(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph of a program. Raises `NotLifted` with the reason if it has none, `Impossible` if it has no scenes."""
     reason, errors = "", {FEW: 0, SOME: 0}
     for attempt in itertools.chain(range(TRIES), promising_attempts(start, fuel, draws)):
@@ -361,7 +361,7 @@ def promising_attempts(start: Callable[[], Config], fuel: int, draws: Draws) -> 
     begin, found, steps = Beginnings(start, fuel), 0, 0
     for attempt in range(TRIES, LOOKED_AT):
         try:
-            ended = run(begin(), from_stream(0, 0, attempt, draws), fuel=fuel)
+            ended = generate_scene(begin(), from_stream(0, 0, attempt, draws), fuel=fuel)
         except ScenicError:
             return
         if isinstance(ended, Accepted) or ended.requirement.kind not in KINDS_OF_UNMET:
@@ -372,7 +372,7 @@ def promising_attempts(start: Callable[[], Config], fuel: int, draws: Draws) -> 
             return
 
 
-@within
+@guard_run
 def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
 
@@ -462,7 +462,7 @@ class SymbolicRun:
     def answer(self, draw: Draw) -> object:
         """The symbol for what is drawn; heads for a coin that is one, and what follows is then evaluated only in some runs."""
         if not draw.otherwise:
-            return draw_symbol(replaced(draw, self.draws), self.made)
+            return draw_symbol(replace_distribution(draw, self.draws), self.made)
         coin = draw.distribution.sample(numbers_of(draw, self.made))
         if not isinstance(coin, Traced):
             return bool(coin)
@@ -541,7 +541,7 @@ def is_local(outcome: Next) -> bool:
     node, scope = outcome.node, outcome.config.state.sigma
     if not isinstance(node, s.Assignment) or scope.kind != "function":
         return False
-    return all(written(target) and set(target_names(target)) <= scope.names.local for target in node.targets)
+    return all(assigned_variables(target) and set(target_names(target)) <= scope.names.local for target in node.targets)
 
 
 def check_unchanged(before: State, after: State) -> None:
@@ -622,5 +622,5 @@ def draw_by_rows(draw: Draw, made: Recorder) -> object:
     return made.vector(node, example)
 
 
-__all__ = ["Lifted", "trace"]
+__all__ = ["Lifted", "trace_program"]
 

@@ -36,7 +36,7 @@ def two_sample_wealth(a: Array, b: Array) -> Array:
     a, b = np.asarray(a, float), np.asarray(b, float)
     c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * a.ndim)
     cells = betaln(c + a, c + b) - betaln(c, c) + (a + b) * math.log(2.0)
-    return _averaged(cells.sum(-1), cells, a.shape[-1])
+    return _average_log_bets(cells.sum(-1), cells, a.shape[-1])
 
 
 def one_sample_wealth(counts: Array, p: Array) -> Array:
@@ -56,10 +56,10 @@ def one_sample_wealth(counts: Array, p: Array) -> Array:
     rest = np.clip(1.0 - safe, 1e-300, 1.0)
     single = betaln(c * safe + n, c * rest + total - n) - betaln(c * safe, c * rest) - n * np.log(safe) - (total - n) * np.log(rest)
     single = np.where(possible, np.where(p < 1 - 1e-12, single, 0.0), -np.inf)
-    return np.where(impossible, np.inf, _averaged(dense, single, cells[..., 0]))
+    return np.where(impossible, np.inf, _average_log_bets(dense, single, cells[..., 0]))
 
 
-def _averaged(dense: Array, single: Array, cells: Array | int) -> Array:
+def _average_log_bets(dense: Array, single: Array, cells: Array | int) -> Array:
     """The log of the average of bets on all cells, (priors, ...), and of those on a single one, (priors, ..., cells).
 
     The number of cells is that of the feature, whether they were seen or not: an average over a number that grows would not be a martingale.
@@ -68,7 +68,7 @@ def _averaged(dense: Array, single: Array, cells: Array | int) -> Array:
     return log_sum(both, axis=(0, 1)) - math.log(2 * len(CONCENTRATIONS))
 
 
-def combined(wealths: Array) -> float:
+def average_e_values(wealths: Array) -> float:
     """The log of the average of e-values whose logs are given: an e-value under any dependence between them."""
     flat = np.ravel(wealths)
     return float(log_sum(flat) - math.log(len(flat)))

@@ -46,7 +46,7 @@ class Values:
             return np.array([places.get(v, len(places)) for v in texts], dtype=int)
         if not column.is_number:
             return np.full(len(column.values), len(self.names))
-        values = opened(column.values, self.opening)
+        values = unwrap_angles(column.values, self.opening)
         after = np.clip(np.searchsorted(self.numbers, values), 1, max(1, len(self.numbers) - 1))
         before = np.maximum(after - 1, 0)
         after = np.minimum(after, len(self.numbers) - 1)
@@ -75,7 +75,7 @@ class Intervals:
         """The cell of each value."""
         if not column.is_number:
             return np.full(len(column.values), self.count - 1)
-        found = np.searchsorted(self.edges, opened(column.values, self.opening), side="right")
+        found = np.searchsorted(self.edges, unwrap_angles(column.values, self.opening), side="right")
         return np.where(np.isnan(column.values), self.count - 1, found)
 
     def labels(self) -> tuple[str, ...]:
@@ -176,9 +176,9 @@ def cells_of(
     known = np.isfinite(column.values)
     weights = weights[known] if weights is not None else None
     opening = opening_of(column.values) if is_angle(column.name) else None
-    values = opened(column.values[known], opening)
+    values = unwrap_angles(column.values[known], opening)
     every = np.unique(values)
-    different = merged(every, tolerance, few)
+    different = merge_close_values(every, tolerance, few)
     if len(different) <= few:
         return Values(tuple(f"{v:.9g}" for v in different), different, opening, tolerance)
     order = np.argsort(values, kind="stable")
@@ -194,7 +194,7 @@ def all_values(column: Column, tolerance: float) -> Values:
     if not column.is_number:
         return Values(tuple(dict.fromkeys(column.values)), None)
     opening = opening_of(column.values) if column.is_angle else None
-    different = merged(np.unique(opened(column.values, opening)), tolerance)
+    different = merge_close_values(np.unique(unwrap_angles(column.values, opening)), tolerance)
     return Values(tuple(f"{v:.9g}" for v in different), different, opening, tolerance)
 
 
@@ -212,7 +212,7 @@ def clear_edge(edge: float, values: Array, tolerance: float) -> float:
     return float(values[widest] + values[widest + 1]) / 2
 
 
-def merged(values: Array, tolerance: float = SAME, most: int | None = None) -> Array:
+def merge_close_values(values: Array, tolerance: float = SAME, most: int | None = None) -> Array:
     """Sorted values without those that differ from one before, which is kept, by rounding only; the first ones, if there are more than `most`."""
     kept: list[int] = []
     at = 0
@@ -232,7 +232,7 @@ def opening_of(angles: Array) -> float:
     return float(around[widest] + gaps[widest] / 2)
 
 
-def opened(values: Array, opening: float | None) -> Array:
+def unwrap_angles(values: Array, opening: float | None) -> Array:
     """Angles as numbers within π of the angle opposite to `opening`; other values as they are."""
     if opening is None:
         return values

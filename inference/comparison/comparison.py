@@ -18,17 +18,17 @@ import numpy as np
 from ...data.scene import Scene
 from ...semantics.store.errors import UsageError
 from ..enumeration import Enumeration
-from .betting import Array, combined, one_sample_wealth, two_sample_wealth
+from .betting import Array, average_e_values, one_sample_wealth, two_sample_wealth
 from .cells import MOST_EXACT, Codes, all_values
 from .exact_laws import DEFAULT_ALPHA, Categorical, Continuous
 from .feature_names import SampleNames
-from .features import Cut, FeatureTest, assigned, attempts_test, cut_of, learn, one_sided, pairs_of, tests_between, tests_of_laws
+from .features import Cut, FeatureTest, assign_cells, attempts_test, cut_of, learn, one_sided, pairs_of, tests_between, tests_of_laws
 from .impossible_values import MOST_LISTED, Findings, constants_of
 from .known_features import Facts, WithFacts
-from .relations import related, table_of
-from .rounding import DEFAULT_TOLERANCE, Rounding, rounded, roundings_of
+from .relations import add_relations, table_of
+from .rounding import DEFAULT_TOLERANCE, Rounding, round_table, roundings_of
 from .sample_files import AnyScene, Samples
-from .scene_columns import FeatureTable, features_table, is_relation, stacked
+from .scene_columns import FeatureTable, features_table, is_relation, stack_tables
 from .verdict import BURNED_SHARE, FIRST_BLOCK, MOST, Kind, Verdict
 
 QUANTILE = 2.3263478740408408  # of the standard normal, at 0.99
@@ -93,7 +93,7 @@ def threshold_of(alpha: float, features: int) -> float:
     return math.log(max(1, features)) - math.log(alpha)
 
 
-def needed(tv: float, alpha: float, features: int, hardest: Hardest) -> int:
+def required_draws(tv: float, alpha: float, features: int, hardest: Hardest) -> int:
     """The number of draws of each side after which a difference of `tv` in any one of `features` is found with probability 0.99."""
     threshold = threshold_of(alpha, features)
     low, high = 1, 2
@@ -164,7 +164,7 @@ class Outcomes:
     def complete(self, table: FeatureTable) -> FeatureTable:
         """The scenes with their class, and the relations between objects in the outcome that they are."""
         classes = self.class_of(table)
-        there = related(FeatureTable({name: v[:0] for name, v in table.arrays.items()}, 0))
+        there = add_relations(FeatureTable({name: v[:0] for name, v in table.arrays.items()}, 0))
         relations = {name: self.table.arrays[name] for name in there.arrays if is_relation(name) and name in self.table.arrays}
         found = {name: np.where(classes < 0, np.nan, values[self.first_of[classes]]) for name, values in relations.items()}
         return table.plus({**found, TOGETHER: classes.astype(float)})
@@ -175,7 +175,7 @@ class Outcomes:
         shown = [name for name in self.table.arrays if name in self.known or (is_relation(name) and name in there.arrays)]
         cuts = [cut_of(self.table.columns[name], self.weights, tolerance=self.tolerance) for name in shown]
         tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
-        found = assigned(cuts, self.table)
+        found = assign_cells(cuts, self.table)
         for test in tests:
             test.law = self.shares(test.cells(found), test.size)
         if len(self.known) > 1 or len(self.first_of) > MOST_EXACT:
@@ -307,7 +307,7 @@ class SceneStream:
             return self.drawn(n, start)
         while sum(table.n for table in self.left) < n and (more := next(self.tables, None)) is not None:
             self.left.append(more)
-        whole = stacked(self.left) if self.left else FeatureTable({}, 0)
+        whole = stack_tables(self.left) if self.left else FeatureTable({}, 0)
         self.left = [whole.rows(n, whole.n)]
         return whole.rows(0, n)
 
@@ -315,7 +315,7 @@ class SceneStream:
         """Scenes from `start` on, drawn now."""
         sampler = self.sampler
         if isinstance(sampler, WithTables):
-            table = stacked(list(sampler.feature_tables(n, self.seed, start=start)))
+            table = stack_tables(list(sampler.feature_tables(n, self.seed, start=start)))
         else:
             assert sampler is not None
             table = features_table(sampler.sample_many(n, self.seed, start=start))
@@ -336,7 +336,7 @@ class SceneView:
 
     def __call__(self, table: FeatureTable) -> FeatureTable:
         """The table with all features."""
-        found = related(rounded(table, self.roundings))
+        found = add_relations(round_table(table, self.roundings))
         return found.plus(self.facts.derived(found))
 
 
@@ -373,7 +373,7 @@ def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Ter
     if stream.length == 0:
         raise UsageError("there are no scenes to compare")
     block = stream.take(FIRST_BLOCK[0])
-    view: Callable[[FeatureTable], FeatureTable] = related
+    view: Callable[[FeatureTable], FeatureTable] = add_relations
     skipped: list[str] = []
     if isinstance(law, Enumeration):
         outcomes = Outcomes(law, block, terms.facts, terms.names, terms.tolerance)
@@ -381,7 +381,7 @@ def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Ter
         hidden = ("attempts", TOGETHER)
         skipped = [name for name in one_sided(block, outcomes.table, terms.facts.constants) if name not in hidden and not is_relation(name)]
     else:
-        tests = tests_of_laws(related(block), law)
+        tests = tests_of_laws(add_relations(block), law)
     collected = Collected(tests, terms, stream.found, exact=True)
     limit = min((n for n in (stream.length, budget) if n is not None), default=collected.needed)
     block = block.rows(0, limit)
@@ -422,7 +422,7 @@ class Collected:
     @cached_property
     def needed(self) -> int:
         """How many scenes of each side a difference of the stated size needs."""
-        return needed(self.terms.detect_tv, self.terms.alpha, len(self.tests), self.hardest)
+        return required_draws(self.terms.detect_tv, self.terms.alpha, len(self.tests), self.hardest)
 
     @property
     def decided(self) -> bool:
@@ -431,7 +431,7 @@ class Collected:
 
     def count(self, a: FeatureTable, b: FeatureTable | None) -> None:
         """Count some scenes of both sides (or of one, against a law)."""
-        one, other = assigned(self.cuts, a), None if b is None else assigned(self.cuts, b)
+        one, other = assign_cells(self.cuts, a), None if b is None else assign_cells(self.cuts, b)
         self.n += a.n
         for test in self.tests:
             test.count(one, other)
@@ -440,7 +440,7 @@ class Collected:
     def look(self) -> None:
         """Update the evidence."""
         if self.tests:
-            wealth = combined(np.array([test.look() for test in self.tests]))
+            wealth = average_e_values(np.array([test.look() for test in self.tests]))
             self.evidence = max(self.evidence, wealth / math.log(10.0))
 
     def verdict(self, burned: int, skipped: Sequence[str]) -> Verdict:

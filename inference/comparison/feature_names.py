@@ -35,7 +35,7 @@ def long_name(name: str) -> str:
     return f"{place}.{part}{indices}" if part in (*OWN, "position") else f"{place}.properties.{part}{indices}"
 
 
-def matching(feature: str) -> Callable[[str], bool]:
+def feature_matcher(feature: str) -> Callable[[str], bool]:
     """Whether the name of a column is that feature, or lies below it."""
     wanted = long_name(feature)
     if re.fullmatch(r"\w+", wanted):
@@ -56,7 +56,7 @@ class SampleNames:
 
     def ignored(self, name: str) -> bool:
         """Whether a column is not compared."""
-        return any(matching(feature)(name) for feature in self.ignore)
+        return any(feature_matcher(feature)(name) for feature in self.ignore)
 
     def kept(self, table: FeatureTable) -> FeatureTable:
         """The table without the features that are ignored."""
@@ -100,14 +100,14 @@ class SampleNames:
         there = [*samples.arrays, *known]
         classes = {str(v) for name, values in samples.arrays.items() if name.endswith(".class") for v in values}
         for feature in self.ignore:
-            if not any(map(matching(feature), there)):
-                raise unknown("--ignore", feature, there)
+            if not any(map(feature_matcher(feature), there)):
+                raise unknown_feature_error("--ignore", feature, there)
         for theirs in self.map:
-            if theirs not in classes and all(self.feature(name) == name for name in samples.arrays if matching(theirs)(name)):
-                raise unknown("--map", theirs, [*samples.arrays, *sorted(classes)])
+            if theirs not in classes and all(self.feature(name) == name for name in samples.arrays if feature_matcher(theirs)(name)):
+                raise unknown_feature_error("--map", theirs, [*samples.arrays, *sorted(classes)])
 
 
-def unknown(option: str, name: str, there: Sequence[str]) -> UsageError:
+def unknown_feature_error(option: str, name: str, there: Sequence[str]) -> UsageError:
     """The error for a name that does not occur."""
     place = long_name(name).partition(".")[0] if "." in name else ""
     ends = {last_part(n): n for n in reversed(there) if n.startswith(place)}

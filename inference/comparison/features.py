@@ -50,7 +50,7 @@ class Cut:
 Assigned = Mapping[str, tuple[Array, Array]]
 
 
-def assigned(cuts: Sequence[Cut], table: FeatureTable) -> Assigned:
+def assign_cells(cuts: Sequence[Cut], table: FeatureTable) -> Assigned:
     """The cells of all features in the scenes of a table."""
     return {cut.name: cut.assign(table) for cut in cuts}
 
@@ -126,22 +126,22 @@ def tests_between(
     cuts: list[Cut] = []
     seen: set[object] = set()
     for name in shared:
-        column = pooled(a.columns[name], b.columns[name])
+        column = pool_columns(a.columns[name], b.columns[name])
         key = (column.is_number, column.values.tobytes() if column.is_number else tuple(column.values))
         if key not in seen:
             seen.add(key)
             cuts.append(cut_of(column, tolerance=tolerance))
     tests = [FeatureTest((cut,), stated=stated(cut.name)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
-    tests += [FeatureTest((again,), stated=False) for again in map(repeated, cuts) if again is not None]
+    tests += [FeatureTest((again,), stated=False) for again in map(repeated_values_cut, cuts) if again is not None]
     every = [test.cuts[0] for test in tests if len(test.cuts) == 1]
-    blocks = [assigned(every, table) for table in (a, b)]
+    blocks = [assign_cells(every, table) for table in (a, b)]
     for test in tests:
         test.first = np.sum([np.bincount(test.cells(block), minlength=test.size) for block in blocks], axis=0)
     learn(every, a)
     return tests
 
 
-def repeated(cut: Cut) -> Cut | None:
+def repeated_values_cut(cut: Cut) -> Cut | None:
     """The repeated values of a feature, if it is a number with many values."""
     if not isinstance(cut.fine, Intervals) or is_relation(cut.name) or cut.name == "attempts":
         return None
@@ -162,7 +162,7 @@ def one_sided(a: FeatureTable, b: FeatureTable, constants: Mapping[str, object])
     return list(dict.fromkeys([*missing, *(name for name in a.columns if name not in b.columns and name not in constants)]))
 
 
-def pooled(one: Column, other: Column) -> Column:
+def pool_columns(one: Column, other: Column) -> Column:
     """The values of both; the numbers alone, if only one of them has numbers: what is not a number then has a cell of its own."""
     if one.is_number != other.is_number:
         return one if one.is_number else other

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from .betting import Array
-from .features import FeatureTest, assigned
-from .known_features import Facts, Support, equal, missing
-from .scene_columns import A_NUMBER, ABSENT, OTHERWISE, FeatureTable, is_angle, text_of
+from .features import FeatureTest, assign_cells
+from .known_features import Facts, Support, equal, missing_mask
+from .scene_columns import A_NUMBER, ABSENT, OTHERWISE, FeatureTable, comparable_text, is_angle
 
 MOST_LISTED = 5
 Place = Callable[[int], str]
@@ -51,12 +51,12 @@ class Findings:
             if name not in self.found and "(" in name and name in table.arrays:
                 row = first(support.outside(table.arrays[name], self.tolerance))
                 if row is not None:
-                    self.found[name] = f"{name} is {support}, but {seen(table, name, row)} in {self.place(int(table.numbers[row]))}"
+                    self.found[name] = f"{name} is {support}, but {value_in_scene(table, name, row)} in {self.place(int(table.numbers[row]))}"
 
     def look_at_law(self, table: FeatureTable, tests: Sequence[FeatureTest]) -> None:
         """Look for what has probability 0 under the laws of the tests: in one feature, or else in all together."""
         single = [test for test in tests if len(test.cuts) == 1 and test.law is not None]
-        cells = assigned([test.cuts[0] for test in single], table)
+        cells = assign_cells([test.cuts[0] for test in single], table)
         known = len(self.found)
         for test in single:
             assert test.law is not None
@@ -67,7 +67,7 @@ class Findings:
             if test.cuts[0].whole:
                 self.found[test.name] = f"the values in {where}, each of which is possible, have probability 0 together"
             elif test.name in table.arrays:
-                self.found[test.name] = f"{test.name} is {seen(table, test.name, row)} in {where}, which has probability 0"
+                self.found[test.name] = f"{test.name} is {value_in_scene(table, test.name, row)} in {where}, which has probability 0"
 
 
 def impossible_in(table: FeatureTable, facts: Facts, tolerance: float) -> Iterator[tuple[str, int, str]]:
@@ -78,16 +78,16 @@ def impossible_in(table: FeatureTable, facts: Facts, tolerance: float) -> Iterat
             row = first(~equal(values, facts.constants[name], tolerance, angle=is_angle(name)))
             if row is not None:
                 what = "the number of objects" if name == "objects" else name
-                yield name, row, f"{what} is always {shown(facts.constants[name])}, but {seen(table, name, row)}"
+                yield name, row, f"{what} is always {format_feature_value(facts.constants[name])}, but {value_in_scene(table, name, row)}"
     for name, values in table.arrays.items():
         row = first(not_finite(table, name))
         if row is not None:
-            yield name, row, f"{name} is {shown(float(values[row]))}"
+            yield name, row, f"{name} is {format_feature_value(float(values[row]))}"
             continue
         support = facts.supports.get(name)
         row = first(outside(table, name, support, tolerance)) if support is not None else None
         if row is not None:
-            yield name, row, f"{name} is {support}, but {seen(table, name, row)}"
+            yield name, row, f"{name} is {support}, but {value_in_scene(table, name, row)}"
 
 
 def outside(table: FeatureTable, name: str, support: Support, tolerance: float) -> Array:
@@ -100,7 +100,7 @@ def outside(table: FeatureTable, name: str, support: Support, tolerance: float) 
     if otherwise is not None and support.values is not None:
         texts = support.outside(otherwise, tolerance) & (otherwise != ABSENT)
         return np.where(np.isnan(values), texts, wrong)
-    return wrong & ~missing(values)
+    return wrong & ~missing_mask(values)
 
 
 def not_finite(table: FeatureTable, name: str) -> Array:
@@ -118,16 +118,16 @@ def first(where: Array) -> int | None:
     return int(found[0]) if len(found) else None
 
 
-def seen(table: FeatureTable, name: str, row: int) -> str:
+def value_in_scene(table: FeatureTable, name: str, row: int) -> str:
     """The value of a feature in a scene, for people; its text where it is not a number though others are."""
     value = table.arrays[name][row]
     otherwise = table.arrays.get(name + OTHERWISE)
-    return shown(otherwise[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value)
+    return format_feature_value(otherwise[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value)
 
 
-def shown(value: object) -> str:
+def format_feature_value(value: object) -> str:
     """A value, for people."""
-    return f"{value:.9g}" if isinstance(value, float) else text_of(value)
+    return f"{value:.9g}" if isinstance(value, float) else comparable_text(value)
 
 
 def constants_of(table: FeatureTable) -> dict[str, object]:

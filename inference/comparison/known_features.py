@@ -11,7 +11,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from .betting import Array
-from .scene_columns import ABSENT, FeatureTable, text_of
+from .scene_columns import ABSENT, FeatureTable, comparable_text
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Support:
     def outside(self, column: Array, tolerance: float) -> Array:
         """Where values are none of these; NaN is judged elsewhere. `tolerance` is relative, from 1 on."""
         if self.values is not None:
-            return ~np.any([equal(column, v, tolerance) for v in self.values], axis=0) & ~missing(column)
+            return ~np.any([equal(column, v, tolerance) for v in self.values], axis=0) & ~missing_mask(column)
         if column.dtype != np.float64:
             return np.ones(len(column), dtype=bool)
         return (column < self.low - slack(self.low, tolerance, self.scale)) | (column > self.high + slack(self.high, tolerance, self.scale))
@@ -47,7 +47,7 @@ def slack(bound: float, tolerance: float, scale: float = 1.0) -> float:
     return tolerance * max(scale, abs(bound)) if math.isfinite(bound) else 0.0
 
 
-def missing(column: Array) -> Array:
+def missing_mask(column: Array) -> Array:
     """Where a column has no number, or no value at all."""
     return np.isnan(column) if column.dtype == np.float64 else column == ABSENT
 
@@ -59,14 +59,14 @@ def equal(column: Array, value: object, tolerance: float, *, angle: bool = False
             off = np.abs(column - value)
             off = np.minimum(off % math.tau, math.tau - off % math.tau) if angle else off
         return off <= slack(float(value), tolerance)
-    return column == text_of(value) if column.dtype != np.float64 else np.zeros(len(column), dtype=bool)
+    return column == comparable_text(value) if column.dtype != np.float64 else np.zeros(len(column), dtype=bool)
 
 
 Derived = Callable[[FeatureTable], Mapping[str, Array]]
 """Features that follow from others, each a function of the columns of a table: none where these are missing."""
 
 
-def nothing(table: FeatureTable) -> Mapping[str, Array]:
+def no_derived_features(table: FeatureTable) -> Mapping[str, Array]:
     """No derived features."""
     return {}
 
@@ -77,7 +77,7 @@ class Facts:
 
     constants: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     supports: Mapping[str, Support] = field(default_factory=lambda: MappingProxyType({}))
-    derived: Derived = nothing
+    derived: Derived = no_derived_features
 
     def without(self, ignored: Callable[[str], bool]) -> Facts:
         """The same without some features."""

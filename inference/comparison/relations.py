@@ -21,10 +21,10 @@ MOST_RELATED = 12  # the number of objects, from the first on, whose relations a
 
 def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> FeatureTable:
     """The table of scenes, with the relations between their objects."""
-    return related(features_table(scenes))
+    return add_relations(features_table(scenes))
 
 
-def related(table: FeatureTable) -> FeatureTable:
+def add_relations(table: FeatureTable) -> FeatureTable:
     """The table with the relations between all pairs of (the first) objects whose poses are numbers throughout."""
     with np.errstate(invalid="ignore"):  # an infinite position is a finding, not an error
         return table.plus(relations(table.arrays))
@@ -37,8 +37,8 @@ def relations(columns: Mapping[str, Array]) -> dict[str, Array]:
     for (i, one), (j, other) in combinations(enumerate(poses), 2):
         dx, dy = other[0] - one[0], other[1] - one[1]
         found[f"distance({i}, {j})"] = np.hypot(dx, dy)
-        found[f"bearing({i}, {j})"] = wrapped(np.arctan2(-dx, dy) - one[2])
-        found[f"relativeHeading({i}, {j})"] = wrapped(other[2] - one[2])
+        found[f"bearing({i}, {j})"] = wrap_angles(np.arctan2(-dx, dy) - one[2])
+        found[f"relativeHeading({i}, {j})"] = wrap_angles(other[2] - one[2])
     gaps = [gap(one, other) for one, other in combinations([pose for pose in poses if len(pose) == 5], 2)]
     if gaps:
         found["smallestGap"] = np.min(gaps, axis=0)
@@ -75,6 +75,6 @@ def nearest_corner(box: Box, other: Box) -> Array:
     return np.min(distance_to_box(*box, together), axis=0)
 
 
-def wrapped(angle: Array) -> Array:
+def wrap_angles(angle: Array) -> Array:
     """The angles in (-π, π]."""
     return -((math.pi - angle) % math.tau - math.pi)

@@ -65,7 +65,7 @@ def roundings_of(a: FeatureTable, b: FeatureTable | None, tolerance: float) -> d
     return found
 
 
-def rounded(table: FeatureTable, roundings: Mapping[str, Rounding]) -> FeatureTable:
+def round_table(table: FeatureTable, roundings: Mapping[str, Rounding]) -> FeatureTable:
     """The table with its numbers rounded."""
     changed = {name: r(table.arrays[name]) for name, r in roundings.items() if name in table.arrays and table.arrays[name].dtype == np.float64}
     return FeatureTable({**table.arrays, **changed}, table.n, table.numbers)

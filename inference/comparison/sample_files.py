@@ -25,7 +25,7 @@ from .feature_names import SHORT, SampleNames, long_name
 from .impossible_values import Findings
 from .known_features import Facts
 from .rounding import DEFAULT_TOLERANCE
-from .scene_columns import FeatureTable, features_table, stacked
+from .scene_columns import FeatureTable, features_table, stack_tables
 
 HEAPS = 32
 KEPT = 64 << 20
@@ -56,7 +56,7 @@ class Shuffled:
 
     def deal(self) -> None:
         """Write the scenes that wait to random heaps."""
-        table, self.waiting = stacked(self.waiting), []
+        table, self.waiting = stack_tables(self.waiting), []
         heap = self.source.integers(HEAPS, size=table.n)
         order = np.argsort(heap, kind="stable")
         ends = np.searchsorted(heap[order], np.arange(HEAPS + 1))
@@ -64,7 +64,7 @@ class Shuffled:
             rows = order[ends[number] : ends[number + 1]]
             if len(rows):
                 piece = table.chosen(rows)
-                written = pickle.dumps((piece.n, piece.numbers, {name: packed(values) for name, values in piece.arrays.items()}), protocol=5)
+                written = pickle.dumps((piece.n, piece.numbers, {name: pack_column(values) for name, values in piece.arrays.items()}), protocol=5)
                 self.heaps[number].append((self.file.tell(), len(written)))
                 self.file.write(written)
         for name, values in table.arrays.items():
@@ -76,7 +76,7 @@ class Shuffled:
             self.deal()
         for heap in self.heaps:
             if heap:
-                whole = stacked([*map(self.read, heap), FeatureTable(self.kinds, 0)])
+                whole = stack_tables([*map(self.read, heap), FeatureTable(self.kinds, 0)])
                 yield whole.chosen(self.source.permutation(whole.n))
 
     def read(self, place: tuple[int, int]) -> FeatureTable:
@@ -84,10 +84,10 @@ class Shuffled:
         start, length = place
         self.file.seek(start)
         n, numbers, columns = pickle.loads(self.file.read(length))
-        return FeatureTable({name: unpacked(values) for name, values in columns.items()}, n, numbers)
+        return FeatureTable({name: unpack_column(values) for name, values in columns.items()}, n, numbers)
 
 
-def packed(values: Array) -> Packed:
+def pack_column(values: Array) -> Packed:
     """A column in little room: one value where all are equal, texts once."""
     if bool((values == values[0]).all()):
         return "same", values[:1].copy(), len(values)
@@ -98,7 +98,7 @@ def packed(values: Array) -> Packed:
     return "texts", list(places), codes
 
 
-def unpacked(column: Packed) -> Array:
+def unpack_column(column: Packed) -> Array:
     """The column."""
     kind, values, rest = column
     if kind == "same":
@@ -237,25 +237,25 @@ def _lines(file: Iterable[bytes], path: str) -> Iterator[Numbered]:
     first = ((number, text.removeprefix(BOM)) for number, text in islice(numbered, 1))
     lines = ((number, line) for number, text in chain(first, numbered) if (line := text.strip()))
     while several := list(islice(lines, AT_ONCE)):
-        for number, scene in zip([number for number, _ in several], parsed(several, path), strict=True):
+        for number, scene in zip([number for number, _ in several], parse_sample_lines(several, path), strict=True):
             problem = problem_of(scene)
             if problem:
                 raise UsageError(f"{path}, line {number}: {problem}", hint=f"the format is {SCHEMA}; `scenic-ref run FILE -n 1` shows an example")
             yield number, scene  # type: ignore[misc]
 
 
-def parsed(lines: Sequence[tuple[int, bytes]], path: str) -> Iterable[object]:
+def parse_sample_lines(lines: Sequence[tuple[int, bytes]], path: str) -> Iterable[object]:
     """What stands on some lines: all at a time if each is an object of JSON, which is quicker, else line by line. Raises `UsageError`."""
     if all(line[0] == OPENING and line[-1] == CLOSING for _, line in lines):
-        with suppress(ValueError, RecursionError), uncollected():
-            found = decoded(b"[" + b",".join([line for _, line in lines]) + b"]")
+        with suppress(ValueError, RecursionError), pause_garbage_collection():
+            found = decode_scene_list(b"[" + b",".join([line for _, line in lines]) + b"]")
             if len(found) == len(lines):
                 return found
     return one_by_one(lines, path)
 
 
 @contextmanager
-def uncollected() -> Iterator[None]:
+def pause_garbage_collection() -> Iterator[None]:
     """Without looking for cycles among the values inside, of which there are many and no cycles."""
     enabled = gc.isenabled()
     gc.disable()
@@ -276,7 +276,7 @@ def quick_decoder() -> Callable[[bytes], Any] | None:
     return orjson.loads
 
 
-def decoded(text: bytes) -> list[Any]:
+def decode_scene_list(text: bytes) -> list[Any]:
     """The scenes in a list in JSON. Raises `ValueError`."""
     quick = quick_decoder()
     if quick is not None:

@@ -132,17 +132,17 @@ def features_of(scenes: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, l
         yield "ego", [ABSENT if v is ABSENT else str(v) for v in values_at(scenes, "ego")]
     params: list[Mapping[str, object]] = [scene.get("params", {}) for scene in scenes]  # type: ignore[misc]
     for name, values in fields(params):
-        yield from spread(f"params.{name}", values)
+        yield from flatten_json_leaves(f"params.{name}", values)
     lists: list[Sequence[Mapping[str, object]]] = [scene.get("objects", []) for scene in scenes]  # type: ignore[misc]
     yield "objects", [str(len(objects)) for objects in lists]
     for i in range(max(map(len, lists), default=0)):
         objects = [found[i] if i < len(found) else {} for found in lists]
         for name in ("class", *OWN_FIELDS):
             if any(name in o for o in objects):
-                yield from spread(f"objects[{i}].{name}", values_at(objects, name))
+                yield from flatten_json_leaves(f"objects[{i}].{name}", values_at(objects, name))
         properties: list[Mapping[str, object]] = [o.get("properties", {}) for o in objects]  # type: ignore[misc]
         for name, values in fields(properties):
-            yield from spread(f"objects[{i}].properties.{name}", values)
+            yield from flatten_json_leaves(f"objects[{i}].properties.{name}", values)
 
 
 def fields(rows: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, list[object]]]:
@@ -159,17 +159,17 @@ def values_at(rows: Sequence[Mapping[str, object]], name: str) -> list[object]:
     return [row.get(name, ABSENT) for row in rows]
 
 
-def spread(name: str, values: list[object]) -> Iterator[tuple[str, list[object]]]:
+def flatten_json_leaves(name: str, values: list[object]) -> Iterator[tuple[str, list[object]]]:
     """The leaves of values in JSON, one for each scene."""
     kinds = set(map(type, values))
     if not kinds & {list, dict} or (kinds == {dict} and all(v.keys() == {"repr"} for v in values)):  # type: ignore[attr-defined]
         yield name, values
     elif kinds == {list} and len(set(map(len, values))) == 1 and values[0]:  # type: ignore[arg-type]
         for i in range(len(values[0])):  # type: ignore[arg-type]
-            yield from spread(f"{name}[{i}]", [v[i] for v in values])  # type: ignore[index]
+            yield from flatten_json_leaves(f"{name}[{i}]", [v[i] for v in values])  # type: ignore[index]
     elif kinds == {dict} and values[0] and set(values[0]) != {"repr"} and all(v.keys() == values[0].keys() for v in values):  # type: ignore[attr-defined, call-overload]
         for key in values[0]:  # type: ignore[attr-defined]
-            yield from spread(f"{name}.{key}", [v[key] for v in values])  # type: ignore[index]
+            yield from flatten_json_leaves(f"{name}.{key}", [v[key] for v in values])  # type: ignore[index]
     else:
         yield from fields([dict(below(name, v)) for v in values])
 
@@ -200,7 +200,7 @@ def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
         return
     numbers = [is_int_or_float(v) for v in values]
     yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
-    yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
+    yield name + OTHERWISE, np.array([A_NUMBER if known else comparable_text(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
 
 
 def array_of(values: list[object], kinds: set[type] | None = None) -> Array:
@@ -215,12 +215,12 @@ def array_of(values: list[object], kinds: set[type] | None = None) -> Array:
     if kinds == {str}:
         return np.array([known.setdefault(v, v) for v in values], dtype=object)  # type: ignore[arg-type]
     if kinds == {dict} and all(v.keys() == {"repr"} for v in values):  # type: ignore[attr-defined]
-        known = {name: text_of({"repr": name}) for name in {str(v["repr"]) for v in values}}  # type: ignore[index]
+        known = {name: comparable_text({"repr": name}) for name in {str(v["repr"]) for v in values}}  # type: ignore[index]
         return np.array([known[str(v["repr"])] for v in values], dtype=object)  # type: ignore[index]
-    return np.array([known.setdefault(text, text) for text in map(text_of, values)], dtype=object)
+    return np.array([known.setdefault(text, text) for text in map(comparable_text, values)], dtype=object)
 
 
-def text_of(value: object) -> str:
+def comparable_text(value: object) -> str:
     """A value that is compared as a whole."""
     if isinstance(value, str):
         return value
@@ -230,7 +230,7 @@ def text_of(value: object) -> str:
 # Tables one after the other
 
 
-def stacked(tables: Sequence[FeatureTable]) -> FeatureTable:
+def stack_tables(tables: Sequence[FeatureTable]) -> FeatureTable:
     """The scenes of some tables, one after the other; a feature that some lack is absent there."""
     if len(tables) == 1:
         return tables[0]

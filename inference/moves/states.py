@@ -14,14 +14,14 @@ from itertools import chain
 
 import numpy as np
 
-from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, replaced
+from ...interpreter.runtime.answerers import AS_THEY_ARE, Draws, replace_distribution
 from ...interpreter.runtime.program_run import Chooser
 from ...interpreter.runtime.random_streams import UNIT, UNUSED_BITS, Stream, fold, site_code
 from ...semantics.machine.outcome import Draw
 from ..batch.evaluation_plan import PlanStep
 from ..batch.graph import Graph, GraphNode, RowDraw, Site
 from ..batch.numpy_evaluator import column
-from ..batch.primitives.random_numbers import Numbers, philox
+from ..batch.primitives.random_numbers import Numbers, philox_rows
 from ..batch.row_calls import FailedRows
 
 Address = tuple[int, ...]
@@ -96,7 +96,7 @@ class Space:
         def choose(draw: Draw) -> object:
             rest = self.stream(draw.address, int(states.words[self.word.get(draw.address, -1), row]))
             own = (float(states.uniforms[k, row]) for k in self.places(draw.address))
-            return replaced(draw, draws).distribution.sample(chain(own, iter(rest, None)).__next__)
+            return replace_distribution(draw, draws).distribution.sample(chain(own, iter(rest, None)).__next__)
 
         return choose
 
@@ -179,6 +179,6 @@ class StateNumbers(Numbers):
         words = self.blocks.get((site.address, block))
         if words is None:
             names = self.states.words[self.space.word[site.address], self.rows]
-            words = philox((self.space.seed, site_code(site.address)), names, np.full_like(names, ATTEMPT), block)
+            words = philox_rows((self.space.seed, site_code(site.address)), names, np.full_like(names, ATTEMPT), block)
             self.blocks[site.address, block] = words
         return (words[:, place] >> np.uint64(UNUSED_BITS)) * UNIT

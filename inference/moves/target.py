@@ -22,7 +22,7 @@ import numpy as np
 
 from ...data.scene import Scene, scene_of
 from ...interpreter.runtime.optional_packages import why_missing
-from ...interpreter.runtime.program_run import Accepted, Rejected, run
+from ...interpreter.runtime.program_run import Accepted, Rejected, generate_scene
 from ...semantics.machine.outcome import Requirement
 from ...semantics.store.errors import UsageError
 from ..batch.block_rejection import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch
@@ -340,12 +340,12 @@ class Target:
 
     def interpreted(self, states: States, row: int) -> Accepted | None:
         """The interpreter's run of a state, if it is accepted. Raises the program's errors."""
-        ended = run(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
+        ended = generate_scene(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
         return ended if isinstance(ended, Accepted) else None
 
     def rejected_by(self, states: States, row: int) -> Requirement:
         """The requirement at which the interpreter's run of a state ends, which is rejected."""
-        ended = run(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
+        ended = generate_scene(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
         assert isinstance(ended, Rejected)
         return ended.requirement
 

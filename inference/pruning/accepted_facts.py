@@ -20,7 +20,7 @@ from ...semantics.scenes.default_requirements import (
     visible,
     workspace_of,
 )
-from ...semantics.space.boundaries import widened
+from ...semantics.space.boundaries import widen_shape
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Region, Workspace
 from ...semantics.space.regions.approximation import box_shape
@@ -57,20 +57,20 @@ def truths(graph: Graph, *, soft: bool = False) -> Iterator[Truth]:
     """What the hard requirements say (or, for reports only, the soft ones), conjunctions taken apart."""
     for event in graph.events:
         if event.kind == "require" and (event.condition is not None) is soft:
-            yield from _parts(Truth(event.node, event.expected))
+            yield from _conjuncts(Truth(event.node, event.expected))
 
 
-def _parts(truth: Truth) -> Iterator[Truth]:
+def _conjuncts(truth: Truth) -> Iterator[Truth]:
     node, holds = truth
     if node.function is np.logical_not:
-        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _parts(Truth(a, not holds)))
+        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _conjuncts(Truth(a, not holds)))
     elif node.function is (np.logical_and if holds else np.logical_or):
-        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _parts(Truth(a, holds)))
+        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _conjuncts(Truth(a, holds)))
     else:
         yield truth
 
 
-def located(graph: Graph) -> Iterator[Located]:
+def field_lookup_points(graph: Graph) -> Iterator[Located]:
     """The points at which a field must have a value: a run in which it has none is stuck (reading `field-outside`)."""
     for event in graph.events:
         field = field_looked_up(event.node) if event.kind == "call" and event.condition is None else None
@@ -81,7 +81,7 @@ def located(graph: Graph) -> Iterator[Located]:
                 yield Located(point, field)
 
 
-def contained(facts: list[Truth]) -> Iterator[Contained]:
+def containment_facts(facts: list[Truth]) -> Iterator[Contained]:
     """The boxes that requirements place in a polygonal region: `X in R`, the workspace and `regionContainedIn` of unmutated objects."""
     for node, holds in facts:
         call = node.function
@@ -100,7 +100,7 @@ def min_radius(width: object, length: object) -> float:
 def container_of(region: object) -> Shape | None:
     """`shape_of` for a region that boxes must lie in: with its boundary, which closes what gaps rounding leaves between its parts."""
     shape = shape_of(region)
-    return None if shape is None else polygons_of(widened(shape))
+    return None if shape is None else polygons_of(widen_shape(shape))
 
 
 def shape_of(region: object) -> Shape | None:
@@ -122,13 +122,13 @@ def limits(facts: list[Truth]) -> dict[GraphNode, list[Interval]]:
     """Intervals, one of which holds each number that is compared with another in a requirement."""
     found: dict[GraphNode, list[Interval]] = {}
     for node, holds in facts:
-        for number, interval in _compared(node, holds):
+        for number, interval in _comparison_bounds(node, holds):
             for inner, intervals in _inside(number, [interval]):
                 found[inner] = [c for known in found.get(inner, intervals) for i in intervals if (c := known.common(i)).low <= c.high]
     return found
 
 
-def _compared(node: GraphNode, holds: bool) -> Iterator[tuple[GraphNode, Interval]]:
+def _comparison_bounds(node: GraphNode, holds: bool) -> Iterator[tuple[GraphNode, Interval]]:
     """Both sides of a comparison, and where they are."""
     if node.function not in (np.less, np.less_equal, np.greater, np.greater_equal) or len(node.arguments) != 2:
         return
@@ -186,7 +186,7 @@ def position_of(state: State, instance: Instance) -> Point | None:
     return point_of(property_of(state, instance, "position"))
 
 
-def name_of(state: State, instance: Instance) -> str:
+def object_report_name(state: State, instance: Instance) -> str:
     """What a report calls an object."""
     return state.names.get(instance.number) or f"{instance.class_.name} (object {state.scene.index(instance)})"
 

@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry import MultiPoint, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ...semantics.space.boundaries import common, united
+from ...semantics.space.boundaries import common, unite_shapes
 from .node_bounds import TAU, Interval, angles_meet
 
 Shape = Polygon | MultiPolygon
@@ -45,18 +45,18 @@ def dilate(shape: BaseGeometry, distance: float) -> Shape:
 
 def polygons_of(shape: BaseGeometry) -> Shape:
     """The areas in a geometry: lines and points, which no uniform point ever meets, are left out."""
-    found = [part for part in _parts(shape) if isinstance(part, Polygon) and part.area > 0]
+    found = [part for part in _simple_geometries(shape) if isinstance(part, Polygon) and part.area > 0]
     return found[0] if len(found) == 1 else MultiPolygon(found) if found else NOTHING
 
 
-def _parts(shape: BaseGeometry) -> list[BaseGeometry]:
+def _simple_geometries(shape: BaseGeometry) -> list[BaseGeometry]:
     members = getattr(shape, "geoms", None)
-    return [shape] if members is None else [part for member in members for part in _parts(member)]
+    return [shape] if members is None else [part for member in members for part in _simple_geometries(member)]
 
 
 def union_of(shapes: list[Shape]) -> Shape:
     """The union of some shapes."""
-    return polygons_of(united(shapes)) if shapes else NOTHING
+    return polygons_of(unite_shapes(shapes)) if shapes else NOTHING
 
 
 def common_part(first: BaseGeometry, second: BaseGeometry) -> Shape:
@@ -93,7 +93,7 @@ def prune_by_heading(
     for p, (shape, heading) in enumerate(cells):
         matching = [q for q in near[p] if _heads(cells[q][1] - heading, deviation, allowed, turn)]
         if matching:
-            kept.append(common_part(shape, dilate(united(list(shapes[matching])), distance)))
+            kept.append(common_part(shape, dilate(unite_shapes(list(shapes[matching])), distance)))
     return union_of(kept)
 
 
@@ -125,7 +125,7 @@ def prune_by_width(cells: Sequence[Cell], distance: float, min_width: float) -> 
     for p in sorted(narrow_cells):
         others = [q for q in near[p] if q != p]
         if others:
-            kept.append(common_part(shapes[p], dilate(united(list(shapes[others])), distance)))
+            kept.append(common_part(shapes[p], dilate(unite_shapes(list(shapes[others])), distance)))
     return union_of(kept)
 
 

@@ -21,13 +21,13 @@ from .accepted_facts import (
     Located,
     Near,
     Truth,
-    contained,
+    containment_facts,
     default_containers,
     default_distances,
+    field_lookup_points,
     is_mutated,
     limits,
-    located,
-    name_of,
+    object_report_name,
     points_apart,
     position_of,
     shape_of,
@@ -41,14 +41,14 @@ from .node_bounds import (
     Offset,
     Operand,
     Point,
-    aligned,
     bounds_of_terms,
+    field_alignment,
     field_looked_up,
     offset,
     terms,
 )
 from .report import TECHNIQUES, Finding, Pruned, Pruning, Technique
-from .traced_points import DrawnPoint, Recorded, record
+from .traced_points import DrawnPoint, Recorded, record_points
 
 SHARP = 2.0
 """Metres: points whose places are known less well than this are of no use to `offset`."""
@@ -128,7 +128,7 @@ def relative_headings(point: Point, known: Known, facts: list[Truth] | None = No
 def difference_of_headings(node: GraphNode) -> tuple[Aligned, Aligned, float] | None:
     """A number as the first heading minus the second plus a constant: two that are aligned to fields, if it is that."""
     if node.function is np.subtract and all(isinstance(a, (GraphNode, float)) for a in node.arguments):
-        first, second = (aligned(a) for a in node.arguments)  # type: ignore[arg-type]
+        first, second = (field_alignment(a) for a in node.arguments)  # type: ignore[arg-type]
         if first is not None and second is not None:
             return first, second, 0.0
     sum_ = terms(node)
@@ -136,7 +136,7 @@ def difference_of_headings(node: GraphNode) -> tuple[Aligned, Aligned, float] | 
     plus, minus = ([p for p, s in sum_.items() if isinstance(p, GraphNode) and s == sign and field_looked_up(p) is not None] for sign in (1.0, -1.0))
     if len(plus) != 1 or len(minus) != 1:
         return None
-    first, second = aligned(plus[0]), aligned(minus[0])
+    first, second = field_alignment(plus[0]), field_alignment(minus[0])
     deviation = bounds_of_terms({part: share for part, share in sum_.items() if part not in (plus[0], minus[0])})
     if first is None or second is None or not deviation.bounded:
         return None
@@ -167,7 +167,7 @@ def headings_at(point: Point, known: Known) -> list[Operand]:
     fields = {id(there.field) for there in known.located if there.point == point}
     angles = {node.arguments[0]: None for node in known.graph.nodes if node.function in (np.sin, np.cos)}
     headings = [angle for angle in angles if isinstance(angle, GraphNode)]
-    return [angle for angle in headings if (found := aligned(angle)) is not None and found.point == point and id(found.field) in fields]
+    return [angle for angle in headings if (found := field_alignment(angle)) is not None and found.point == point and id(found.field) in fields]
 
 
 def cells_of(field: PolygonalVectorField) -> tuple[Cell, ...]:
@@ -183,7 +183,7 @@ def size(point: Point, shape: Shape, known: Known) -> Applied:
     widest: tuple[float, float] = (0.0, 0.0)
     field: PolygonalVectorField | None = None
     for heading in headings_at(point, known):
-        x = aligned(heading)
+        x = field_alignment(heading)
         assert x is not None
         points = {there.point for there in known.located if there.field is x.field and there.point != point}
         seen = [Offset(ZERO, ZERO, 0.0), *(o for q in points if (o := offset(point, heading, q)) is not None)]
@@ -220,7 +220,7 @@ def offsets(point: Point, shape: Shape, known: Known) -> Applied:
     done: dict[object, str] = {}
     kept: Shape | None = None
     for heading in headings_at(point, known):
-        x = aligned(heading)
+        x = field_alignment(heading)
         assert x is not None
         for key, target, seen in targets(point, x, heading, known):
             if key in done:
@@ -255,7 +255,7 @@ LEAST_SAVING = 1e-6
 
 def prune(start: Callable[[], Config], fuel: int = DEFAULT_FUEL, techniques: Collection[Technique] = TECHNIQUES) -> Pruning:
     """The smaller regions that points of a program may be drawn from. Raises `NotLifted` for a program without a graph."""
-    return prune_recorded(record(start, fuel), techniques)
+    return prune_recorded(record_points(start, fuel), techniques)
 
 
 def prune_recorded(recorded: Recorded, techniques: Collection[Technique] = TECHNIQUES) -> Pruning:
@@ -320,7 +320,7 @@ def knowledge_of(recorded: Recorded) -> Knowledge:
     graph, state, _ = recorded
     facts = list(truths(graph))
     distances = [*default_distances(state), *required_distances(limits(facts))]
-    return Knowledge(graph, state, facts, [*default_containers(state), *contained(facts)], list(located(graph)), distances)
+    return Knowledge(graph, state, facts, [*default_containers(state), *containment_facts(facts)], list(field_lookup_points(graph)), distances)
 
 
 # Points
@@ -328,7 +328,7 @@ def knowledge_of(recorded: Recorded) -> Knowledge:
 
 def objects_at(drawn: DrawnPoint, state: State) -> str:
     """The names of the objects whose final position is the point; "" if there are none."""
-    return ", ".join(name_of(state, o) for o in state.scene if position_of(state, o) == drawn.point)
+    return ", ".join(object_report_name(state, o) for o in state.scene if position_of(state, o) == drawn.point)
 
 
 def not_uniform(recorded: Recorded, techniques: Collection[Technique]) -> Iterator[Finding]:
@@ -340,7 +340,7 @@ def not_uniform(recorded: Recorded, techniques: Collection[Technique]) -> Iterat
             constant = position is not None and all(isinstance(c, float) for c in position)
             reason = "its position is not drawn uniformly from a fixed polygonal region"
             reason = "its position is mutated" if is_mutated(recorded.state, instance) else "its position is not random" if constant else reason
-            yield from (Finding(name_of(recorded.state, instance), t, None, None, reason) for t in techniques)
+            yield from (Finding(object_report_name(recorded.state, instance), t, None, None, reason) for t in techniques)
 
 
 def prune_point(

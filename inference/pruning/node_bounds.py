@@ -214,7 +214,7 @@ class Aligned(NamedTuple):
     deviation: Interval
 
 
-def aligned(heading: Operand) -> Aligned | None:
+def field_alignment(heading: Operand) -> Aligned | None:
     """A heading as that of a field and a bounded deviation, if it is one."""
     sum_ = terms(heading)
     lookups = [part for part, share in sum_.items() if isinstance(part, GraphNode) and share == 1.0 and field_looked_up(part) is not None]
@@ -249,8 +249,8 @@ def offset(origin: Point, heading: Operand | None, point: Point) -> Offset | Non
     With v = ⟨a, b⟩ it is ⟨a cos h - b sin h, a sin h + b cos h⟩ (Figure "Notation"): a and b must be the same sums in both coordinates.
     """
     x, y = (difference(p, o) for p, o in zip(point, origin, strict=True))
-    across, along, x_rest = _turned(x, heading, np.cos, np.sin, -1.0)
-    across_again, along_again, y_rest = _turned(y, heading, np.sin, np.cos, 1.0)
+    across, along, x_rest = _rotation_terms(x, heading, np.cos, np.sin, -1.0)
+    across_again, along_again, y_rest = _rotation_terms(y, heading, np.sin, np.cos, 1.0)
     if across != across_again or along != along_again:
         across, along, x_rest, y_rest = {}, {}, x, y
     rest = bounds_of_terms(x_rest), bounds_of_terms(y_rest)
@@ -260,7 +260,7 @@ def offset(origin: Point, heading: Operand | None, point: Point) -> Offset | Non
     return Offset(*found, float(np.hypot(rest[0].largest, rest[1].largest)))
 
 
-def _turned(sum_: Terms, heading: Operand | None, first: np.ufunc, second: np.ufunc, sign: float) -> tuple[Terms, Terms, Terms]:
+def _rotation_terms(sum_: Terms, heading: Operand | None, first: np.ufunc, second: np.ufunc, sign: float) -> tuple[Terms, Terms, Terms]:
     """The sum as a times first(heading) plus `sign` times b times second(heading), plus a rest: a, b and the rest."""
     a: dict[Operand, float] = {}
     b: dict[Operand, float] = {}
@@ -273,10 +273,10 @@ def _turned(sum_: Terms, heading: Operand | None, first: np.ufunc, second: np.uf
         into, times = (a, share) if function is first else (b, sign * share)
         for inner, inner_share in terms(factor, times).items():
             into[inner] = into.get(inner, 0.0) + inner_share
-    return _kept(a), _kept(b), rest
+    return _nonzero_terms(a), _nonzero_terms(b), rest
 
 
-def _kept(sum_: Terms) -> Terms:
+def _nonzero_terms(sum_: Terms) -> Terms:
     return {part: share for part, share in sum_.items() if share != 0}
 
 
@@ -293,5 +293,5 @@ def _factor_of(part: Operand) -> tuple[Operand, object, object]:
             return part, None, None
 
 
-__all__ = ["Aligned", "Offset", "Point", "aligned", "bounds", "bounds_of_value", "difference", "field_looked_up", "offset", "point_of", "terms"]
+__all__ = ["Aligned", "Offset", "Point", "bounds", "bounds_of_value", "difference", "field_alignment", "field_looked_up", "offset", "point_of", "terms"]
 

@@ -10,7 +10,7 @@ from ...semantics.machine.config import Config, State
 from ...semantics.space.regions import Region
 from ..batch.graph import Graph
 from ..batch.scene_template import template_of
-from ..batch.tracing import trace
+from ..batch.tracing import trace_program
 from .node_bounds import Point, point_of
 
 Address = tuple[int, ...]
@@ -32,9 +32,9 @@ class Recorded(NamedTuple):
     points: Mapping[Address, DrawnPoint]
 
 
-def record(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Recorded:
+def record_points(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Recorded:
     """The graph of a program and its points. Draws at the addresses in `draws` are from those distributions instead. Raises `NotLifted`."""
-    graph, state = trace(start, fuel, draws)
+    graph, state = trace_program(start, fuel, draws)
     template_of(state)  # raises where ego or the workspace is random
     drawn = ((address, region, point_of(value)) for address, (region, value) in graph.points.items())
     return Recorded(graph, state, {address: DrawnPoint(address, region, point) for address, region, point in drawn if point is not None})

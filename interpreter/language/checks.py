@@ -62,7 +62,7 @@ HOMES: dict[type[Statement], tuple[str, tuple[Home, ...]]] = {
 }
 
 
-def check(program: Program) -> None:
+def check_runnable(program: Program) -> None:
     """Raises CheckError for the first thing, in source order, that keeps `program` from running."""
     found = (*block_faults(program.statements, StatementPlace()), *declaration_faults(program), *incomplete_statements(program))
     faults = sorted(found, key=lambda fault: (fault.span.line, fault.span.column))
@@ -73,8 +73,8 @@ def check(program: Program) -> None:
 def block_faults(statements: Iterable[Statement], place: StatementPlace) -> Iterator[CheckError]:
     """The faults of the statements of a block that stands at `place`."""
     for statement in statements:
-        yield from _misplaced(statement, place)
-        yield from _malformed(statement)
+        yield from _placement_faults(statement, place)
+        yield from _content_faults(statement)
         for child in children(statement):
             if not isinstance(child, Statement):
                 yield from _expression_faults(child, place)
@@ -109,12 +109,12 @@ def _blocks(statement: Statement, place: StatementPlace) -> Iterator[tuple[Block
             pass
 
 
-def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckError]:
+def _placement_faults(statement: Statement, place: StatementPlace) -> Iterator[CheckError]:
     """Faults of where `statement` stands."""
     word, homes = HOMES.get(type(statement), ("", ()))
     if homes and place.home not in homes:
-        hint = "; ".join(filter(None, [f"`{word}` belongs {within(*homes)}", _instead(statement, place.home)]))
-        yield CheckError(f"`{word}` cannot stand {within(place.home)}", statement.span, hint=hint)
+        hint = "; ".join(filter(None, [f"`{word}` belongs {name_places(*homes)}", _instead(statement, place.home)]))
+        yield CheckError(f"`{word}` cannot stand {name_places(place.home)}", statement.span, hint=hint)
         return
     match statement:
         case d.Abort() if not place.in_interruptible:
@@ -124,14 +124,14 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
             word = type(statement).__name__.lower()
             yield CheckError(f"`{word}` stands outside of any loop", statement.span)
         case s.Try() if statement.interrupts and place.home not in DYNAMIC:
-            hint = f"it belongs {within(*DYNAMIC)}"
-            text = f"`interrupt when` cannot stand {within(place.home)}"
+            hint = f"it belongs {name_places(*DYNAMIC)}"
+            text = f"`interrupt when` cannot stand {name_places(place.home)}"
             yield CheckError(text, statement.interrupts[0].span, hint=hint)
         case s.Nonlocal() if not place.in_function:
-            text = f"`nonlocal` cannot stand {within(place.home)}"
+            text = f"`nonlocal` cannot stand {name_places(place.home)}"
             yield CheckError(text, statement.span, hint="there is no function around it")
         case s.ImportFrom() if not statement.names and place.home not in DECLARATIVE:
-            text = f"`import *` cannot stand {within(place.home)}"
+            text = f"`import *` cannot stand {name_places(place.home)}"
             yield CheckError(text, statement.span, hint="name what you import")
         case _:
             pass
@@ -146,14 +146,14 @@ def _instead(statement: Statement, home: Home) -> str:
     return ""
 
 
-def within(*homes: Home) -> str:
+def name_places(*homes: Home) -> str:
     """Return the names of some places as they follow "cannot stand": `at the top level`, `in a behavior`, ..."""
     blocks = [home for home in homes if home != "the top level"]
     top = ["at the top level"] if len(blocks) < len(homes) else []
     return " or ".join(top + ([f"in {' or '.join(blocks)}"] if blocks else []))
 
 
-def _malformed(statement: Statement) -> Iterator[CheckError]:
+def _content_faults(statement: Statement) -> Iterator[CheckError]:
     """Faults of what `statement` itself says."""
     match statement:
         case s.FunctionDefinition() | d.BehaviorDefinition() | d.MonitorDefinition() | d.ScenarioDefinition():
@@ -201,7 +201,7 @@ def _expression_faults(root: Node, place: StatementPlace) -> Iterator[CheckError
                 yield from _parameter_faults(node.parameters)
             case InInitialScenario() if place.home not in DECLARATIVE:
                 hint = "ask at the top level or in a setup block, and keep the answer in a variable"
-                text = f"`in initial scenario` cannot stand {within(place.home)}"
+                text = f"`in initial scenario` cannot stand {name_places(place.home)}"
                 yield CheckError(text, node.span, hint=hint)
             case _:
                 pass

@@ -62,7 +62,7 @@ class Comments:
         released = DIALECTS[program.dialect].released
         self.code = list(self.code_lines(source, DIALECTS[program.dialect]))
         self.pending = deque(self.comments(source, released))
-        self.last = {self.code_at(place): place for place in sorted(map(place_of, parts_of(program)))}
+        self.last = {self.code_at(place): place for place in sorted(map(node_start, statements_and_properties(program)))}
         """Where the last statement (or property) of a line of code begins."""
         self.told = 0
         """The last line of the file that is printed, or whose comment is."""
@@ -168,13 +168,13 @@ class Comments:
         yield from self.until(len(self.source) + 1)
 
 
-def parts_of(program: Program) -> Iterator[Node]:
+def statements_and_properties(program: Program) -> Iterator[Node]:
     """The statements and properties of a program."""
     for statement in program.statements:
         yield from (node for node in descendants(statement) if isinstance(node, Statement | PropertyDefault))
 
 
-def place_of(node: Node) -> Place:
+def node_start(node: Node) -> Place:
     """Where a node begins."""
     return (node.span.line, node.span.column)
 
@@ -187,8 +187,8 @@ def convert(program: Program, dialect: str, library: Mapping[str, object]) -> st
     """The text of a program in a dialect; `library` holds the modules that it imports, for the names of their classes. Raises `ParseError`."""
     source, target = DIALECTS[program.dialect], DIALECTS[dialect]
     classes = classes_of([program, *(module for module in library.values() if isinstance(module, Program))])
-    statements = settled(with_old_imports(program, library).statements, classes)  # type: ignore[arg-type]
-    statements = monitored(changed(statements, partial(spelled, source, target)), source, target)
+    statements = resolve_object_definitions(with_old_imports(program, library).statements, classes)  # type: ignore[arg-type]
+    statements = convert_monitors(rewrite_tree(statements, partial(respell_node, source, target)), source, target)
     for statement in statements:
         check_said(statement, target, classes)
     printer = Commented(target, program)
@@ -216,21 +216,21 @@ def last_name(node: Node) -> str:
     return node.name if isinstance(node, (p.Name, p.Attribute)) else ""
 
 
-def changed(node: Any, change: Change) -> Any:
+def rewrite_tree(node: Any, change: Change) -> Any:
     """The tree with every node in it replaced by what `change` makes of it, the innermost ones first."""
     if isinstance(node, Node):
         parts = {f.name: getattr(node, f.name) for f in fields(node) if f.name != "span"}
-        new = {name: changed(part, change) for name, part in parts.items()}
+        new = {name: rewrite_tree(part, change) for name, part in parts.items()}
         return change(node if all(new[name] is parts[name] for name in parts) else replace(node, **new))
     if isinstance(node, tuple):
-        items = tuple(changed(item, change) for item in node)
+        items = tuple(rewrite_tree(item, change) for item in node)
         if all(a is b for a, b in zip(items, node, strict=True)):
             return node
         return items if type(node) is tuple else type(node)(*items)
     return node
 
 
-def settled(tree: Any, classes: frozenset[str]) -> Any:
+def resolve_object_definitions(tree: Any, classes: frozenset[str]) -> Any:
     """The tree in which every name that may begin an object definition does so if, and only if, it is that of a class."""
 
     def settle(node: Node) -> Node:
@@ -242,10 +242,10 @@ def settled(tree: Any, classes: frozenset[str]) -> Any:
             case _:
                 return node
 
-    return changed(tree, settle)
+    return rewrite_tree(tree, settle)
 
 
-def spelled(source: Dialect, target: Dialect, node: Node) -> Node:
+def respell_node(source: Dialect, target: Dialect, node: Node) -> Node:
     """A node as the target spells it: intervals, the simulation, and monitors, which run when they are defined or when they are required."""
     match node:
         case e.IntervalOrPair(low=low, high=high) if not target.intervals:
@@ -257,7 +257,7 @@ def spelled(source: Dialect, target: Dialect, node: Node) -> Node:
         case _:
             pass
     blocks = {f.name: getattr(node, f.name) for f in fields(node) if is_block(getattr(node, f.name))}
-    new = {name: monitored(block, source, target) for name, block in blocks.items()}
+    new = {name: convert_monitors(block, source, target) for name, block in blocks.items()}
     return replace(node, **new) if any(new[name] is not blocks[name] for name in new) else node
 
 
@@ -266,29 +266,29 @@ def is_block(value: object) -> bool:
     return isinstance(value, tuple) and bool(value) and all(isinstance(item, Statement) for item in value)
 
 
-def monitored(block: tuple[Statement, ...], source: Dialect, target: Dialect) -> tuple[Statement, ...]:
+def convert_monitors(block: tuple[Statement, ...], source: Dialect, target: Dialect) -> tuple[Statement, ...]:
     """A block in which monitors run as they did: by `require monitor` behind their definitions, or without it. Raises `ParseError`."""
     monitors = [node for node in block if isinstance(node, d.MonitorDefinition)]
     if source.monitor_instances is target.monitor_instances or not (monitors or any(isinstance(node, d.RequireMonitor) for node in block)):
         return block
     if target.monitor_instances:
-        return tuple(new for node in block for new in ([node, required(node)] if isinstance(node, d.MonitorDefinition) else [node]))
+        return tuple(new for node in block for new in ([node, monitor_requirement(node)] if isinstance(node, d.MonitorDefinition) else [node]))
     asked = [node for node in block if isinstance(node, d.RequireMonitor)]
     for node in asked:
-        if sum(required(monitor) == node for monitor in monitors) != 1 or sum(other.monitor == node.monitor for other in asked) != 1:
-            raise unsaid("a monitor runs where it is defined, once, without arguments", node, target)
+        if sum(monitor_requirement(monitor) == node for monitor in monitors) != 1 or sum(other.monitor == node.monitor for other in asked) != 1:
+            raise unsupported_syntax_error("a monitor runs where it is defined, once, without arguments", node, target)
     for monitor in monitors:
-        if required(monitor) not in asked:
-            raise unsaid("a monitor that is defined runs, and this one is not required here", monitor, target)
+        if monitor_requirement(monitor) not in asked:
+            raise unsupported_syntax_error("a monitor that is defined runs, and this one is not required here", monitor, target)
     return tuple(node for node in block if node not in asked)
 
 
-def required(monitor: d.MonitorDefinition) -> d.RequireMonitor:
+def monitor_requirement(monitor: d.MonitorDefinition) -> d.RequireMonitor:
     """`require monitor M()`."""
     return d.RequireMonitor(monitor=p.Call(function=p.Name(name=monitor.name)), span=monitor.span)
 
 
-def unsaid(what: str, node: Node, target: Dialect) -> ParseError:
+def unsupported_syntax_error(what: str, node: Node, target: Dialect) -> ParseError:
     """The error for what the target cannot say."""
     return ParseError(f"dialect {target.name} cannot say this: {what}", node.span)
 
@@ -304,10 +304,10 @@ def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -
     made = (node for node in descendants(statement) if isinstance(node, e.ObjectDefinition)) if target.released and not target.explicit_new else ()
     nameless = next((node for node in made if last_name(node.class_) not in classes), None)
     if nameless is not None:
-        raise unsaid("an object whose class is not known by its name", nameless, target)
+        raise unsupported_syntax_error("an object whose class is not known by its name", nameless, target)
     try:
         text = "\n".join(Converted(target).lines(statement)) + "\n"
-        again = settled(parse(text, dialect=target.name).statements, classes)
+        again = resolve_object_definitions(parse(text, dialect=target.name).statements, classes)
         reason = "" if same(again, (statement,)) else AMBIGUOUS
     except ParseError as problem:
         reason = problem.message
@@ -315,7 +315,7 @@ def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -
         for inner in descendants(statement):
             if isinstance(inner, Statement) and inner is not statement:
                 check_said(inner, target, classes)
-        raise unsaid(reason, statement, target)
+        raise unsupported_syntax_error(reason, statement, target)
 
 
 class Converted(StatementPrinter):
@@ -339,25 +339,25 @@ class Commented(Converted):
 
     def one(self, node: Node, text: str) -> Iterator[str]:
         """The text of a node, below what is above it or inside of it, and the comment behind it, if it is the last in its line."""
-        comments, place = self.comments, place_of(node)
+        comments, place = self.comments, node_start(node)
         number = comments.code_at(place)
         yield from comments.above(number)
         yield text + (comments.behind(number) if comments.last.get(number, place) <= place else "")
 
     def clause(self, head: str, statements: Block, more: Iterable[Item] = ()) -> Iterator[str]:
         """A head and its block, with the comments above the head, inside of it and behind it, and those at the end of the block."""
-        items = sourced([*more, *self.statements(statements)])
-        yield from self.comments.head(head + ":", next((place_of(node) for node, _ in items if node is not None), None))
+        items = sort_by_source([*more, *self.statements(statements)])
+        yield from self.comments.head(head + ":", next((node_start(node) for node, _ in items if node is not None), None))
         width = self.comments.inner
         yield from self.block(items)
         yield from (INDENT + line for line in self.comments.ending(width))
 
 
-def sourced(items: list[Item]) -> list[Item]:
+def sort_by_source(items: list[Item]) -> list[Item]:
     """The items of a block in the order of the source; what belongs to no node stays behind what is before it."""
     place, keys = (0, 0), []
     for node, _ in items:
-        place = place_of(node) if node is not None else place
+        place = node_start(node) if node is not None else place
         keys.append(place)
     return [items[i] for i in sorted(range(len(items)), key=keys.__getitem__)]
 

@@ -65,6 +65,6 @@ def choose(text: str, asked: str | None) -> Dialect:
     return DIALECTS[name]
 
 
-def having(feature: str) -> str:
+def dialects_with_feature(feature: str) -> str:
     """The names of the dialects with a feature, for messages."""
     return " and ".join(name for name, dialect in DIALECTS.items() if getattr(dialect, feature))

@@ -13,7 +13,7 @@ from ...semantics.machine.operand_kinds import SPATIAL_PROPERTIES
 from ...semantics.python.expression_statements import RUN_BY
 from ...semantics.store.built_in_classes import BUILT_IN_CLASSES, SPELLINGS
 from ...semantics.store.scopes import children, descendants, target_names
-from ...semantics.store.suggestions import did_you_mean, meant, nearest
+from ...semantics.store.suggestions import did_you_mean, nearest, undefined_name_hint
 from ...semantics.syntax import Node, Program, Span
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import expressions as e
@@ -82,9 +82,9 @@ def _unread_properties(text: str, nodes: list[Node], library: Library, read: Col
     """Properties that are given in the program and read nowhere, with the one that each is nearly called."""
     inside = [n for module in library.values() if isinstance(module, Program) for st in module.statements for n in descendants(st)]
     known = {name for class_ in BUILT_IN_CLASSES.values() for name in class_.defaults}
-    known |= {*SPELLINGS, *SPATIAL_PROPERTIES, *read, *_declared(inside)}
-    mentioned = set(_mentioned(nodes)) | set(_mentioned(inside))
-    declared = set(_declared(nodes))
+    known |= {*SPELLINGS, *SPATIAL_PROPERTIES, *read, *_declared_properties(inside)}
+    mentioned = set(_mentioned_names(nodes)) | set(_mentioned_names(inside))
+    declared = set(_declared_properties(nodes))
     lines = text.splitlines()
     for node in nodes:
         if isinstance(node, WithSpecifier) and node.property not in declared:
@@ -95,21 +95,21 @@ def _unread_properties(text: str, nodes: list[Node], library: Library, read: Col
             continue
         near = nearest(name, [one for one in meant if one not in SPATIAL_PROPERTIES]) if name not in known | mentioned else None
         if near is not None:
-            yield ProgramWarning(UNREAD, f"nothing reads the property {name}", place_of(name, node.span, lines), f"did you mean {near}?")
+            yield ProgramWarning(UNREAD, f"nothing reads the property {name}", name_span(name, node.span, lines), f"did you mean {near}?")
 
 
-def place_of(name: str, span: Span, lines: list[str]) -> Span:
+def name_span(name: str, span: Span, lines: list[str]) -> Span:
     """The first place of a name in a stretch of the text."""
     column = lines[span.line - 1].find(name, span.column - 1) if span.line <= len(lines) else -1
     return span if column < 0 else span._replace(column=column + 1, end_line=span.line, end_column=column + 1 + len(name))
 
 
-def _declared(nodes: list[Node]) -> Iterator[str]:
+def _declared_properties(nodes: list[Node]) -> Iterator[str]:
     """The properties to which classes give a default value."""
     return (node.name for node in nodes if isinstance(node, s.PropertyDefault))
 
 
-def _mentioned(nodes: list[Node]) -> Iterator[str]:
+def _mentioned_names(nodes: list[Node]) -> Iterator[str]:
     """The names of attributes, and the texts, by which a property may be read."""
     for node in nodes:
         if isinstance(node, Attribute):
@@ -152,7 +152,7 @@ def misspelt_params(
         for one in node.assignments if isinstance(node, s.Param) else ():
             near = None if one.name in known or one.name in OF_SIMULATORS else nearest(one.name, known)
             if near is not None:
-                text, place = f"nothing reads the parameter {one.name}", place_of(one.name, one.span, lines)
+                text, place = f"nothing reads the parameter {one.name}", name_span(one.name, one.span, lines)
                 yield ProgramWarning(UNREAD_PARAM, text, place, f"did you mean {near}?")
 
 
@@ -171,7 +171,7 @@ def _params_read(nodes: list[Node], library: Library, read: Mapping[str, Collect
     """The global parameters that modules read before a program runs, and those that the nodes may read."""
     known = {name for name, modules in read.items() if any(module in library for module in modules)}
     if any(isinstance(node, Name) and node.name == PARAMS for node in nodes):
-        known |= set(_mentioned(nodes))
+        known |= set(_mentioned_names(nodes))
     return known
 
 
@@ -253,7 +253,7 @@ def slips(
     yield from _unknown_names(program, nodes, library, model, built_in, elsewhere)
     yield from _taken_in_vain(nodes)
     yield from _not_run(program, nodes, library, model)
-    yield from _joined(program, nodes, _definitions(program, nodes, library, model))
+    yield from _joined_invocations(program, nodes, _definitions(program, nodes, library, model))
     yield from _timeless_loops(nodes)
     yield from _from_ego_to_ego(program)
     lists = _lists(nodes)
@@ -290,7 +290,7 @@ def slips(
 
 def _lists(nodes: list[Node]) -> set[str]:
     """The names that are bound once in the program, to a list or tuple that is written there."""
-    often = Counter(_bound(nodes))
+    often = Counter(_bound_names(nodes))
     given = (node for node in nodes if isinstance(node, s.Assignment) and _is_list(node.value))
     return {target.name for node in given for target in node.targets if isinstance(target, Name) and often[target.name] == 1}
 
@@ -303,7 +303,7 @@ def _is_list(value: Node) -> bool:
 def _is_range(call: Call, nodes: list[Node]) -> bool:
     """Whether a call is one of Python's `range`, or of `list`, `tuple` or `sorted`, which no name of the program hides."""
     function = call.function
-    return isinstance(function, Name) and function.name in ("range", "list", "tuple", "sorted") and function.name not in set(_bound(nodes))
+    return isinstance(function, Name) and function.name in ("range", "list", "tuple", "sorted") and function.name not in set(_bound_names(nodes))
 
 
 def _one_by_one(values: Node, dialect: str) -> str:
@@ -429,7 +429,7 @@ def _not_run(
                         yield ProgramWarning(NO_EFFECT, text, action.span, hint)
 
 
-def _joined(program: Program, nodes: list[Node], known: Mapping[str, type[Node]]) -> Iterator[ProgramWarning]:
+def _joined_invocations(program: Program, nodes: list[Node], known: Mapping[str, type[Node]]) -> Iterator[ProgramWarning]:
     """Actions, behaviors or scenarios that `and` or `or` joins, which gives one of them."""
     functions = {node.name for node in nodes if isinstance(node, s.FunctionDefinition)}
     for node in nodes:
@@ -478,10 +478,10 @@ def _definitions(
     given = _names_of(program, library, model, set()) or set()
     modules = [module for module in library.values() if isinstance(module, Program)]
     inside = [node for module in modules for st in module.statements for node in descendants(st)]
-    own = Counter(_bound(nodes))
+    own = Counter(_bound_names(nodes))
     found: dict[str, type[Node]] = {}
     for where, names in ((inside, {name for name in given if name not in own}), (nodes, set(own))):
-        often = own if where is nodes else Counter(_bound(where))
+        often = own if where is nodes else Counter(_bound_names(where))
         for node in where:
             if isinstance(node, DYNAMIC) and node.name in names and often[node.name] == 1:
                 found[node.name] = type(node)
@@ -519,17 +519,17 @@ def _unknown_names(
         return
     shared = [node for statement in program.statements for node in _outside(statement)]
     declared = {name for node in nodes if isinstance(node, s.Global) for name in node.names}
-    known = {*built_in, *given, *declared, *_bound(shared)}
-    homes = {name: body for body in nodes if isinstance(body, OWN_NAMES) for name in _bound(_inside(body))}
+    known = {*built_in, *given, *declared, *_bound_names(shared)}
+    homes = {name: body for body in nodes if isinstance(body, OWN_NAMES) for name in _bound_names(_inside(body))}
     told: set[str] = set()
-    for name, visible in _used(shared, known):
+    for name, visible in _used_names(shared, known):
         if name.name not in visible and name.name not in told and not name.name.startswith("__"):
             told.add(name.name)
-            hint = _told_of(homes[name.name]) if name.name in homes else meant(name.name, sorted(visible), elsewhere)
+            hint = _told_of(homes[name.name]) if name.name in homes else undefined_name_hint(name.name, sorted(visible), elsewhere)
             yield ProgramWarning(UNKNOWN, f"{name.name} is not defined", name.span, hint)
 
 
-def _used(shared: list[Node], known: set[str]) -> Iterator[tuple[Name, set[str]]]:
+def _used_names(shared: list[Node], known: set[str]) -> Iterator[tuple[Name, set[str]]]:
     """The names in what a run need not come to, each with the names that are bound where it stands."""
     for node in shared:
         if isinstance(node, OWN_NAMES):
@@ -541,7 +541,7 @@ def _used(shared: list[Node], known: set[str]) -> Iterator[tuple[Name, set[str]]
 def _used_inside(body: Node, visible: set[str]) -> Iterator[tuple[Name, set[str]]]:
     """The names in a body with names of its own, and in the bodies inside of it."""
     nodes = list(_inside(body))
-    own = {*visible, *_bound(nodes)}
+    own = {*visible, *_bound_names(nodes)}
     for node in nodes:
         if isinstance(node, OWN_NAMES):
             yield from _used_inside(node, own)
@@ -570,7 +570,7 @@ def _told_of(body: Node) -> str:
     return f"only {what} on line {body.span.line} has a variable of that name, its own"
 
 
-def _bound(nodes: Iterable[Node]) -> Iterator[str]:
+def _bound_names(nodes: Iterable[Node]) -> Iterator[str]:
     """Every name that is bound somewhere, in whatever scope."""
     for node in nodes:
         match node:
@@ -618,7 +618,7 @@ def _names_of(program: Program, library: Library, model: str | None, seen: set[i
             inner = _names_of(module, library, None, seen)
             if inner is None:
                 return None
-            found |= inner | set(_bound([node for statement in module.statements for node in descendants(statement)]))
+            found |= inner | set(_bound_names([node for statement in module.statements for node in descendants(statement)]))
         elif isinstance(module, Mapping):
             found |= set(map(str, module))
         else:

@@ -22,7 +22,7 @@ class LiteralFault(ValueError):
         self.offset = offset
 
 
-def number(text: str) -> int | float:
+def parse_number_literal(text: str) -> int | float:
     """The value of a number literal. Raises LiteralFault for imaginary and malformed ones."""
     if text[-1] in "jJ" and not text.lower().startswith("0x"):
         raise LiteralFault("complex numbers are not part of the language")

@@ -18,7 +18,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...semantics.python.imports import beside, key_of, member_key, package_of
+from ...semantics.python.imports import key_of, member_key, package_of, sibling_module_key
 from ...semantics.python.library import MODULES
 from ...semantics.store.budget import refuse_too_long
 from ...semantics.store.errors import ImportRefused, ScenicError, UsageError
@@ -85,10 +85,10 @@ def library_of(
     waiting += imported_names(program, ".")
     while waiting:
         asked = waiting.pop()
-        key = beside(asked.name, asked.level or 1, asked.package if asked.level else ".")
+        key = sibling_module_key(asked.name, asked.level or 1, asked.package if asked.level else ".")
         if (key if asked.level else asked.name) in library or isinstance(library.get(key), (Program, Mapping)):
             continue
-        key, found = located(asked, key, program, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
+        key, found = locate_module(asked, key, program, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
         if found is not None:
             library[key] = found
         if isinstance(found, Program):
@@ -96,7 +96,7 @@ def library_of(
     return library
 
 
-def located(
+def locate_module(
     asked: Asked, key: str, program: Program, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None
 ) -> tuple[str, Found]:
     """The key of what was asked for, which would be `key` beside the program, and what it is: None for what need not be there and is not."""
@@ -104,7 +104,7 @@ def located(
     if found is not None:
         return key, found
     if not asked.level and (asked.name in worlds or asked.name in HARMLESS):
-        return asked.name, shipped(asked.name, worlds)
+        return asked.name, find_shipped_module(asked.name, worlds)
     if is_package(key, directory):
         return key, {}
     key = key if asked.level else asked.name
@@ -244,7 +244,7 @@ def is_package(key: str, directory: Path | None) -> bool:
     return not key.strip(".") or (path.is_dir() and not leads_away(path, folder_of(key, directory)) and any(path.glob("*.scenic")))
 
 
-def shipped(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object] | Exception:
+def find_shipped_module(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object] | Exception:
     """The module that comes with the project, or that every Python has and that is harmless."""
     found = worlds[name]() if name in worlds else HARMLESS[name]
     return parsed_once(found, f"<{name}>") if isinstance(found, str) else found
@@ -295,10 +295,10 @@ def folder_of(key: str, directory: Path) -> Path:
 
 def read_program(path: Path, dialect: str | None) -> Program:
     """Parse and check a file."""
-    from .checks import check
+    from .checks import check_runnable
 
     program = parse(read_text(path, largest=LARGEST_MODULE), str(path), dialect)
-    check(program)
+    check_runnable(program)
     return program
 
 

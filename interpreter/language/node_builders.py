@@ -134,14 +134,14 @@ from ...semantics.syntax.statements import (
     While,
 )
 from . import literals
-from .dialects import having
+from .dialects import dialects_with_feature
 from .infix_chains import Link, as_vector, associate, is_dotted_name, join
 from .name_checks import nodes_of_scope
 from .nesting import children
 from .printer import to_source
 from .syntax_errors import inside_brackets
 from .temporal_formulas import instead, operator_of, over_time, refuse_formulas, refuse_time, with_probability
-from .tree_builder import BuilderBase, Parts, condition, is_number, names_of
+from .tree_builder import BuilderBase, Parts, condition, is_number_literal, names_of
 
 NESTING_LIMIT = 50
 
@@ -180,7 +180,7 @@ def single_target(node: Expression) -> Expression:
     return node
 
 
-def deleted(node: Expression) -> tuple[Expression, ...]:
+def deletion_targets(node: Expression) -> tuple[Expression, ...]:
     """The targets of `del`, in order."""
     items = node.items if isinstance(node, TupleDisplay | ListDisplay) else (node,)
     return tuple(single_target(item) for item in items)
@@ -206,7 +206,7 @@ class ExpressionBuilder(BuilderBase):
 
     def make_number(self, span: Span, parts: Parts) -> Constant:
         try:
-            return Constant(span=span, value=literals.number(str(parts[0])))
+            return Constant(span=span, value=literals.parse_number_literal(str(parts[0])))
         except literals.LiteralFault as fault:
             raise ParseError(fault.message, span) from None
 
@@ -511,7 +511,7 @@ class ScenicBuilder(BuilderBase):
 
     def make_initial_scenario(self, span: Span, parts: Parts) -> InInitialScenario:
         if not self.dialect.initial_scenario:
-            message = f"`initial scenario` without `in` belongs to dialect {having('initial_scenario')}"
+            message = f"`initial scenario` without `in` belongs to dialect {dialects_with_feature('initial_scenario')}"
             raise ParseError(message, span, hint="write `in initial scenario`")
         return InInitialScenario(span=span)
 
@@ -536,7 +536,7 @@ class ScenicBuilder(BuilderBase):
 
     def make_object_definition(self, span: Span, parts: Parts) -> ObjectDefinition:
         class_, *specifiers = parts
-        if is_number(class_) and isinstance(specifiers[0], BesideSpecifier) and specifiers[0].gap is None:
+        if is_number_literal(class_) and isinstance(specifiers[0], BesideSpecifier) and specifiers[0].gap is None:
             hint = f"write `{to_source(specifiers[0], self.dialect.name)} by {to_source(class_, self.dialect.name)}`"
             raise ParseError("the distance stands behind what it is measured from, with `by`", class_.span, hint=hint)
         self.require_class(class_)
@@ -556,7 +556,7 @@ class ScenicBuilder(BuilderBase):
     def make_new_object(self, span: Span, parts: Parts) -> ObjectDefinition:
         word, class_, *specifiers = parts
         if not self.dialect.explicit_new:
-            message = f"`new` belongs to dialect {having('explicit_new')}"
+            message = f"`new` belongs to dialect {dialects_with_feature('explicit_new')}"
             hint = "leave out `new`, or begin the program with `# dialect: scenic-3`"
             raise ParseError(message, self.token_span(word), hint=hint)
         self.require_class(class_)
@@ -615,7 +615,7 @@ class ScenicBuilder(BuilderBase):
 
     def make_contained_in(self, span: Span, parts: Parts) -> ContainedInSpecifier:
         if not self.dialect.explicit_new:
-            raise ParseError(f"`contained in` belongs to dialect {having('explicit_new')}", span, hint="write `in R, with regionContainedIn R`")
+            raise ParseError(f"`contained in` belongs to dialect {dialects_with_feature('explicit_new')}", span, hint="write `in R, with regionContainedIn R`")
         return ContainedInSpecifier(span=span, region=parts[0])
 
     def make_left_of(self, span: Span, parts: Parts) -> BesideSpecifier:
@@ -665,7 +665,7 @@ class ScenicBuilder(BuilderBase):
         """The vector of `facing toward V` and its kin; `directly` is a word of Scenic 3 alone."""
         if "directly" in word and not self.dialect.explicit_new:
             plain = " ".join(part for part in word.split() if part != "directly")
-            message = f"`{' '.join(word.split())}` belongs to dialect {having('explicit_new')}"
+            message = f"`{' '.join(word.split())}` belongs to dialect {dialects_with_feature('explicit_new')}"
             raise ParseError(message, self.token_span(word), hint=f"write `{plain} ...`")
         return as_vector(vector)
 
@@ -677,7 +677,7 @@ def stray(first: Expression, specifier: Specifier, source: str) -> ParseError:
     """The error for a specifier behind a comma that follows no object."""
     if (error := inside_brackets(source, specifier.span)) is not None:
         return error
-    if is_number(first):
+    if is_number_literal(first):
         return ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
     if isinstance(specifier, VisibleSpecifier) and specifier.viewer is None:
         hint = "write `(visible)` if a variable of that name is meant"
@@ -731,7 +731,7 @@ class StatementBuilder(BuilderBase):
         return Pass(span=span)
 
     def make_delete(self, span: Span, parts: Parts) -> Delete:
-        return Delete(span=span, targets=deleted(parts[0]))
+        return Delete(span=span, targets=deletion_targets(parts[0]))
 
     def make_assert(self, span: Span, parts: Parts) -> Assert:
         return Assert(span=span, test=condition(parts[0]), message=parts[1])
@@ -1087,7 +1087,7 @@ class DynamicsBuilder(BuilderBase):
     def make_require_monitor(self, span: Span, parts: Parts) -> RequireMonitor:
         word, monitor, name = parts
         if not self.dialect.monitor_instances:
-            message = f"`require monitor` belongs to dialect {having('monitor_instances')}"
+            message = f"`require monitor` belongs to dialect {dialects_with_feature('monitor_instances')}"
             raise ParseError(message, self.token_span(word), hint="leave it out: a monitor runs as soon as it is defined")
         return RequireMonitor(span=span, monitor=monitor, name=name or "")
 
@@ -1113,7 +1113,7 @@ class DynamicsBuilder(BuilderBase):
         self.released("record", span, NOT_RECORDED)
         value, period, delay, name = parts
         if (period or delay) is not None and not self.dialect.explicit_new:
-            raise ParseError(f"`every` and `after` belong to dialect {having('explicit_new')}", (period or delay).span)
+            raise ParseError(f"`every` and `after` belong to dialect {dialects_with_feature('explicit_new')}", (period or delay).span)
         return Record(span=span, value=value, name=name or "", period=period, delay=delay)
 
     def make_record_initial(self, span: Span, parts: Parts) -> Record:
@@ -1143,7 +1143,7 @@ class DynamicsBuilder(BuilderBase):
     def waiting(self, node: WaitFor) -> WaitFor:
         """The statement. Raises ParseError where the dialect lacks it."""
         if not self.dialect.explicit_new:
-            raise ParseError(f"`wait` with a limit belongs to dialect {having('explicit_new')}", node.span, hint="write `wait` in a loop")
+            raise ParseError(f"`wait` with a limit belongs to dialect {dialects_with_feature('explicit_new')}", node.span, hint="write `wait` in a loop")
         return node
 
     def make_terminate(self, span: Span, parts: Parts) -> Terminate:
@@ -1163,11 +1163,11 @@ class DynamicsBuilder(BuilderBase):
         return Do(span=span, invocations=parts[0], limit=parts[1])
 
     def make_do_choose(self, span: Span, parts: Parts) -> DoChoose:
-        invocations, weights = weighted(parts[0])
+        invocations, weights = weighted_alternatives(parts[0])
         return DoChoose(span=span, invocations=invocations, weights=weights, limit=parts[1])
 
     def make_do_shuffle(self, span: Span, parts: Parts) -> DoShuffle:
-        invocations, weights = weighted(parts[0])
+        invocations, weights = weighted_alternatives(parts[0])
         return DoShuffle(span=span, invocations=invocations, weights=weights, limit=parts[1])
 
     def make_time_limit(self, span: Span, parts: Parts) -> TimeLimit:
@@ -1204,7 +1204,7 @@ def is_text(statement: Statement) -> bool:
     return isinstance(statement.value, Constant) and isinstance(statement.value.value, str)
 
 
-def weighted(invocations: tuple[Expression, ...]) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
+def weighted_alternatives(invocations: tuple[Expression, ...]) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
     """The alternatives and their weights: a lone dictionary display gives both."""
     only = invocations[0]
     if len(invocations) > 1 or not isinstance(only, DictDisplay):

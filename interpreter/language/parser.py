@@ -21,7 +21,7 @@ from ...semantics.store.errors import ParseError
 from ...semantics.syntax import Expression, Program, Span
 from ...semantics.syntax.python_expressions import Constant, FormattedValue, FString
 from ..runtime.cache_folders import cache_folder, read_kept, write_kept
-from ..runtime.process_sandbox import timed
+from ..runtime.process_sandbox import limit_time
 from . import dialects, literals, syntax_errors
 from .dialects import Dialect
 from .indentation import Layout
@@ -46,7 +46,7 @@ def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Prog
     return parse_within(text, file, chosen)
 
 
-@timed("parsing")
+@limit_time("parsing")
 def parse_within(text: str, file: str, dialect: Dialect) -> Program:
     """As `parse`, in the time that the program has."""
     origin = TextOrigin(file)
@@ -139,7 +139,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         if any(token.type == "FSTRING" for token in parts):
             if any(isinstance(piece, bytes) for piece in pieces):
                 raise ParseError("bytes and text cannot be joined", span)
-            return FString(span=span, parts=_joined(pieces))
+            return FString(span=span, parts=_join_texts(pieces))
         text = [piece for piece in pieces if isinstance(piece, str)]
         binary = [piece for piece in pieces if isinstance(piece, bytes)]
         if text and binary:
@@ -179,7 +179,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         return FormattedValue(span=value.span, value=value, conversion=piece.conversion, format=layout)  # pyright: ignore[reportArgumentType]
 
 
-def _joined(pieces: list[str | bytes | FormattedValue]) -> tuple[str | FormattedValue, ...]:
+def _join_texts(pieces: list[str | bytes | FormattedValue]) -> tuple[str | FormattedValue, ...]:
     """The pieces with neighbouring texts joined and empty ones left out."""
     parts: list[str | FormattedValue] = []
     for piece in pieces:

@@ -26,7 +26,7 @@ class NoQuotesLeft(ValueError):
     """The text cannot stand inside these quotes."""
 
 
-def constant(value: object) -> str:
+def print_constant(value: object) -> str:
     """The literal of a constant."""
     if value is ...:
         return "..."
@@ -51,7 +51,7 @@ class StringPrinter(ABC):
     def print_Constant(self, node: Constant) -> str:
         value = node.value
         if not self.outer or not isinstance(value, str | bytes):
-            return constant(value)
+            return print_constant(value)
         prefix, text = ("b", value.decode("latin-1")) if isinstance(value, bytes) else ("", value)
         for quote in QUOTES:
             if self.fits(text, quote):
@@ -555,9 +555,9 @@ class StatementPrinter(ExpressionPrinter):
             case s.Global() | s.Nonlocal():
                 return f"{type(node).__name__.lower()} {', '.join(node.names)}"
             case s.Import():
-                return "import " + ", ".join([imported(name) for name in node.names])
+                return "import " + ", ".join([print_imported_name(name) for name in node.names])
             case s.ImportFrom():
-                names = ", ".join([imported(name) for name in node.names]) or "*"
+                names = ", ".join([print_imported_name(name) for name in node.names]) or "*"
                 return f"from {'.' * node.level}{node.module} import {names}"
             case _:
                 return self.scenic_line(node)
@@ -571,17 +571,17 @@ class StatementPrinter(ExpressionPrinter):
             case s.ChooseSimulator():
                 return f"simulator {self.operand(node.value)}"
             case s.Require():
-                return f"require {self.condition(node.condition)}{called(node.name)}"
+                return f"require {self.condition(node.condition)}{print_requirement_name(node.name)}"
             case s.SoftRequire():
-                return f"require[{self.test(node.probability)}] {self.operand(node.condition)}{called(node.name)}"
+                return f"require[{self.test(node.probability)}] {self.operand(node.condition)}{print_requirement_name(node.name)}"
             case d.RequireAlways():
-                return f"require always ({self.test(node.condition)}){called(node.name)}"
+                return f"require always ({self.test(node.condition)}){print_requirement_name(node.name)}"
             case d.RequireEventually():
-                return f"require eventually ({self.test(node.condition)}){called(node.name)}"
+                return f"require eventually ({self.test(node.condition)}){print_requirement_name(node.name)}"
             case d.RequireMonitor():
-                return f"require monitor {self.operand(node.monitor)}{called(node.name)}"
+                return f"require monitor {self.operand(node.monitor)}{print_requirement_name(node.name)}"
             case d.TerminateWhen():
-                return f"terminate {'simulation ' * node.simulation}when {self.operand(node.condition)}{called(node.name)}"
+                return f"terminate {'simulation ' * node.simulation}when {self.operand(node.condition)}{print_requirement_name(node.name)}"
             case d.TerminateAfter():
                 return f"terminate after{self.limit(node.limit).removeprefix(' for')}"
             case d.Terminate():
@@ -591,7 +591,7 @@ class StatementPrinter(ExpressionPrinter):
             case d.Record():
                 when = "" if node.time == "always" else f"{node.time} "
                 period, delay = (self.limit(limit).removeprefix(" for") for limit in (node.period, node.delay))
-                return f"record {when}({self.test(node.value)}){period and ' every' + period}{delay and ' after' + delay}{called(node.name)}"
+                return f"record {when}({self.test(node.value)}){period and ' every' + period}{delay and ' after' + delay}{print_requirement_name(node.name)}"
             case s.Mutate():
                 names = " ".join(["mutate", ", ".join([name.name for name in node.objects])]).rstrip()
                 return names + ("" if node.scale is None else f" by ({self.test(node.scale)})")
@@ -699,12 +699,12 @@ class StatementPrinter(ExpressionPrinter):
                 yield None, self.clause(word, block)
 
 
-def imported(name: s.ImportedName) -> str:
+def print_imported_name(name: s.ImportedName) -> str:
     """`name as alias`."""
     return name.name + (f" as {name.alias}" if name.alias else "")
 
 
-def called(name: str) -> str:
+def print_requirement_name(name: str) -> str:
     """` as name`, or nothing."""
     return f" as {name if name.isidentifier() or name.isdecimal() else repr(name)}" if name else ""
 

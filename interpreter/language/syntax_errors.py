@@ -13,7 +13,7 @@ from ...semantics.store.errors import ParseError
 from ...semantics.store.suggestions import nearest
 from ...semantics.syntax import Span
 from . import temporal_formulas
-from .temporal_formulas import misplaced, with_probability
+from .temporal_formulas import misplaced_operator_message, with_probability
 from .tree_builder import PARTS, TextOrigin
 
 SPECIFIERS = (
@@ -305,7 +305,7 @@ def find(place: Situation) -> Repair | None:
             if match.start() <= place.column <= match.end():
                 said, repair = (match.expand(text) if "\\" in text else text for text in (message, hint))
                 return Repair(said, repair, _here(match))
-    return _ended(place) or _second_condition(place) or _unknown_statement(place) or _unknown_specifier(place)
+    return _line_end_repair(place) or _second_condition(place) or _unknown_statement(place) or _unknown_specifier(place)
 
 
 def _here(match: re.Match[str]) -> tuple[int, int] | None:
@@ -339,11 +339,11 @@ def _formula(place: Situation) -> Repair | None:
             if head["soft"] and not place.line[head.end() : found.start()].strip():
                 return Repair(*with_probability(found.group()), found.span())
             before = place.line[head.end() : found.start()]
-            return Repair(*misplaced(found.group(), before, place.line[found.end() :]), found.span())
+            return Repair(*misplaced_operator_message(found.group(), before, place.line[found.end() :]), found.span())
     return None
 
 
-def _ended(place: Situation) -> Repair | None:
+def _line_end_repair(place: Situation) -> Repair | None:
     """A line that ends too early."""
     if place.word:
         return None
@@ -465,7 +465,7 @@ HUMAN: dict[str, tuple[str, ...]] = {
 
 def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released: bool = False) -> ParseError:
     """The error for Lark's `fault` in `source`, which stands at `origin`; `released`: in a dialect of the releases."""
-    line, column = place_of(fault, source, origin)
+    line, column = fault_place(fault, source, origin)
     lines = source.split("\n")
     text = lines[line - 1] if line <= len(lines) else ""
     found = WORD.match(text, column - 1)
@@ -501,7 +501,7 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released
         return ParseError(repair.message, span, expected=expected, hint=repair.hint)
     if expected == ("an indented block",):
         return no_block(lines[: line - 1], text, span)
-    return ParseError(unexpected(word, kind, expected), span, expected=expected)
+    return ParseError(unexpected_word_message(word, kind, expected), span, expected=expected)
 
 
 def code_of(line: str) -> str:
@@ -546,13 +546,13 @@ def no_block(above: list[str], text: str, span: Span) -> ParseError:
     return ParseError(f"the block of `{head}` (line {number}) is not indented", span, expected=expected, hint=hint)
 
 
-def unexpected(word: str, kind: str, expected: tuple[str, ...]) -> str:
+def unexpected_word_message(word: str, kind: str, expected: tuple[str, ...]) -> str:
     """The message for a mistake that is not a known one."""
     what = f"unexpected `{word}`" if word else "the text ends too early" if kind == "$END" else "the line ends too early"
     return what + (f"; expected {' or '.join(expected[-3:] if len(expected) > 3 else expected)}" if expected else "")
 
 
-def place_of(fault: UnexpectedInput, source: str, origin: TextOrigin) -> tuple[int, int]:
+def fault_place(fault: UnexpectedInput, source: str, origin: TextOrigin) -> tuple[int, int]:
     """The 1-based line and column in `source` where parsing stopped."""
     if isinstance(fault, UnexpectedToken) and isinstance(fault.token, Token) and fault.token.type in ("$END", "_NEWLINE", "_DEDENT"):
         line, column = fault.token.end_line, fault.token.end_column

@@ -80,7 +80,7 @@ DUAL = {"always": "eventually", "eventually": "always"}
 TEMPORAL = re.compile(r"\b(?:always|eventually|next|until)\b")
 
 
-def misplaced(word: str, before: str, after: str) -> tuple[str, str]:
+def misplaced_operator_message(word: str, before: str, after: str) -> tuple[str, str]:
     """The message and hint about an operator over time, or `implies`, in a condition: behind `require` stands the text `before`, then the word."""
     outer = re.sub(r"^[\s(]*(?:always|eventually)\b", "", before)
     match word:
@@ -148,7 +148,7 @@ def refuse_formulas(node: Expression, dialect: Dialect, joined: str = "whole") -
     while pending:
         part, joined = pending.pop()
         if word := operator_of(part, dialect):
-            message, hint = misplaced("next", "", "") if word == "next" else inside_condition(word, joined)
+            message, hint = misplaced_operator_message("next", "", "") if word == "next" else inside_condition(word, joined)
             raise ParseError(message, part.span, hint=hint)
         match part:
             case BooleanOperation(operator=operator, operands=operands):

@@ -21,7 +21,7 @@ from ...semantics.syntax.expressions import (
 from ...semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
 from ...semantics.syntax.statements import ClassDefinition, PropertyDefault
 from . import literals
-from .dialects import Dialect, having
+from .dialects import Dialect, dialects_with_feature
 from .infix_chains import is_dotted_name, join
 from .logical_lines import AS_WRITTEN, JoinedText
 
@@ -140,7 +140,7 @@ class BuilderBase:
         """Raises ParseError where the dialect is none of those that have the construct."""
         if not self.dialect.released:
             repair = f"{hint}, or {BY_DIALECT}" if hint else BY_DIALECT
-            raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=repair)
+            raise ParseError(f"`{construct}` belongs to dialects {dialects_with_feature('released')}", span, hint=repair)
 
     def property_with_effect(self, name: str, span: Span) -> str:
         """The name of a property. Raises ParseError where it has a meaning in the releases that it does not have here: it would be without effect."""
@@ -189,11 +189,11 @@ def _refuse_split_vector(node: TupleDisplay) -> None:
     if len(node.items) != 2 or not isinstance(first, ObjectOrOperator) or not isinstance(first.as_operator, FieldAt | OffsetBy):
         return
     vector = first.as_operator.vector if isinstance(first.as_operator, FieldAt) else first.as_operator.offset
-    if is_number(vector) and is_number(node.items[1]) and node.span.column == first.span.column:
+    if is_number_literal(vector) and is_number_literal(node.items[1]) and node.span.column == first.span.column:
         raise ParseError("a vector needs parentheses", join(vector.span, node.span), hint="write `(x, y)`")
 
 
-def is_number(node: Expression) -> bool:
+def is_number_literal(node: Expression) -> bool:
     """Whether `node` is a number, perhaps with a sign."""
     if isinstance(node, UnaryOperation):
         node = node.operand

@@ -20,7 +20,7 @@ Draws = Mapping[tuple[int, ...], Distribution]
 AS_THEY_ARE: Draws = MappingProxyType({})
 
 
-def replaced(draw: Draw, draws: Draws) -> Draw:
+def replace_distribution(draw: Draw, draws: Draws) -> Draw:
     """The draw, from the distribution that `draws` gives for its address if it is a point's."""
     if isinstance(draw.distribution, PointIn) and draw.address in draws:
         return draw._replace(distribution=draws[draw.address])
@@ -37,7 +37,7 @@ def from_stream(seed: int, scene: int, attempt: int | Callable[[tuple[int, ...]]
 
     def choose(draw: Draw) -> object:
         source = once if draw.per_scene else stream or Stream(seed, scene, attempt(draw.address))  # type: ignore[operator]
-        return replaced(draw, draws).distribution.sample(source.at(draw.address))
+        return replace_distribution(draw, draws).distribution.sample(source.at(draw.address))
 
     return choose
 

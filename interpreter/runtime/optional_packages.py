@@ -32,7 +32,7 @@ def why_missing(package: str, problem: ImportError) -> str:
     return f"{package} cannot be imported ({problem})" if is_installed(package) else f"{package} is not installed"
 
 
-def needed(what: str, package: str, problem: ImportError, otherwise: str = "") -> UsageError:
+def missing_package_error(what: str, package: str, problem: ImportError, otherwise: str = "") -> UsageError:
     """The error that `what` needs a package whose import failed; `otherwise` is what one can do without it."""
     found = why_missing(package, problem)
     text = f"{what} needs the package {package}" + ("" if found.endswith("not installed") else f": {found}")

@@ -99,18 +99,18 @@ class Wall:
         elif event in ("os.listdir", "os.scandir"):
             self.check_place(arguments[0])
         elif event.startswith(REFUSED):
-            raise refused(event)
+            raise forbidden_action_error(event)
 
     def check_open(self, path: object, mode: object, flags: object) -> None:
         """Refuse to open a file for writing, or one that is not part of Python or of this package (which import modules when they need them)."""
         if (isinstance(mode, str) and set(mode) & set("wax+")) or (isinstance(flags, int) and flags & WRITING):
-            raise refused(f"writing {path}")
+            raise forbidden_action_error(f"writing {path}")
         self.check_place(path)
 
     def check_place(self, path: object) -> None:
         """Refuse what is not part of Python or of this package."""
         if isinstance(path, (str, bytes)) and not str(Path(path.decode() if isinstance(path, bytes) else path).resolve()).startswith(self.readable):
-            raise refused(f"reading {path!r}")
+            raise forbidden_action_error(f"reading {path!r}")
 
 
 HERE = Path(__file__).parents[2]
@@ -128,7 +128,7 @@ WRITING = 0x1 | 0x2 | 0x40 | 0x100 | 0x200 | 0x400
 """O_WRONLY, O_RDWR, and the flags by which files are made, cut off or added to, of all systems."""
 
 
-def refused(what: str) -> PermissionError:
+def forbidden_action_error(what: str) -> PermissionError:
     """The error for something that a program must not do; it is our fault that it could try."""
     return PermissionError(f"a program that runs without --trust was kept from {what}; please report the program")
 
@@ -144,7 +144,7 @@ LEAST = 1.0
 """Seconds that parsing and writing may always take: some of it is the same for every program."""
 
 
-def timed(what: str, least: float = LEAST) -> Callable[[Callable[P, R]], Callable[P, R]]:
+def limit_time(what: str, least: float = LEAST) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Make a function one for which the clock of processor time begins anew, unless it runs already; `what` says in messages what takes the time.
 
     Whatever a program causes is in one: parsing, runs, the reading of its maps, and what is written of its scenes. However it ends, the clock is
@@ -180,8 +180,8 @@ def timed(what: str, least: float = LEAST) -> Callable[[Callable[P, R]], Callabl
     return around
 
 
-def within(run: Callable[P, R]) -> Callable[P, R]:
-    """A run of the machine: the guard listens, its time is limited (`timed`), and the limit of memory is an error of the program."""
+def guard_run(run: Callable[P, R]) -> Callable[P, R]:
+    """A run of the machine: the guard listens, its time is limited (`limit_time`), and the limit of memory is an error of the program."""
 
     @wraps(run)
     def guarded(*arguments: P.args, **options: P.kwargs) -> R:
@@ -198,7 +198,7 @@ def within(run: Callable[P, R]) -> Callable[P, R]:
         finally:
             RUNNING.depth = before
 
-    return timed("one run of the program", 0)(guarded)
+    return limit_time("one run of the program", 0)(guarded)
 
 
 def out_of_memory() -> RunError:
@@ -219,7 +219,7 @@ def limit_memory(more: int | None) -> tuple[int, int] | None:
     if resource is None or more is None:
         return None
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (at_most(taken() + more, (soft, hard)), hard))
+    resource.setrlimit(resource.RLIMIT_AS, (at_most(used_address_space() + more, (soft, hard)), hard))
     return soft, hard
 
 
@@ -229,7 +229,7 @@ def at_most(wanted: int, limits: tuple[int, int]) -> int:
     return min([wanted, *(limit for limit in limits if limit != resource.RLIM_INFINITY)])
 
 
-def taken() -> int:
+def used_address_space() -> int:
     """The bytes of address space that this process has; 0 where the system does not say."""
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[0])

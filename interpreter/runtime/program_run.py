@@ -25,7 +25,7 @@ from ...semantics.space.regions import EmptyRegion
 from ...semantics.space.vectors import Vector
 from ...semantics.step import place, step
 from ...semantics.store.errors import FuelExhausted, RandomBranch, ScenicError
-from .process_sandbox import within
+from .process_sandbox import guard_run
 
 DEFAULT_FUEL = 5_000_000
 
@@ -47,7 +47,7 @@ class Rejected(NamedTuple):
 Run = Accepted | Rejected
 
 
-@within
+@guard_run
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
     """Drive the machine until it has something to say, and in how many steps; `config` is taken over, and cannot be stepped again, but where it
     is one that many runs begin with (`Beginnings`).
@@ -101,7 +101,7 @@ class Beginnings:
         return self.kept
 
 
-@within
+@guard_run
 def first_draw(config: Config, fuel: int) -> Config:
     """The configuration in which a run first says something else than how it goes on."""
     budget = config.state.settings.door.budget
@@ -135,7 +135,7 @@ def endless(config: Config, fuel: int, hint: str = "") -> FuelExhausted:
     return FuelExhausted(f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint=hint)
 
 
-def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
+def generate_scene(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
     """Drive the generation of a scene to its end. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
     outcome, steps = drive(config, choose, fuel=fuel, witness=witness)
     if isinstance(outcome, Stuck):
@@ -144,7 +144,7 @@ def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: W
     return Accepted(outcome.state, steps)
 
 
-@within
+@guard_run
 def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> None:
     """One run that goes on where others get stuck, to find every branch on a random value (reading `random-branch`).
 
@@ -208,4 +208,4 @@ def can_be_true(coin: Draw) -> bool:
     return any(value for value, _ in coin.distribution.support() or ())
 
 
-__all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "drive", "rehearse", "run"]
+__all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "drive", "generate_scene", "rehearse"]

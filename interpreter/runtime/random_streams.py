@@ -23,7 +23,7 @@ ROUNDS = 10
 UNUSED_BITS, UNIT = 11, 2.0**-53
 
 
-def philox(key: tuple[int, int], counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+def philox_words(key: tuple[int, int], counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
     """The four 64-bit words of Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011).
 
     `inference.batch` has the same for columns, once in NumPy and once compiled.
@@ -89,6 +89,6 @@ def simulator_seed(seed: int, number: int, attempt: int) -> int:
 def _uniforms(key: tuple[int, int], scene: int, attempt: int) -> Iterator[float]:
     block = 0
     while True:
-        for word in philox(key, (scene, attempt, block, 0)):
+        for word in philox_words(key, (scene, attempt, block, 0)):
             yield (word >> UNUSED_BITS) * UNIT
         block += 1

@@ -62,11 +62,11 @@ def supervise(arguments: list[str]) -> None:
     if os.getppid() != parent:
         os._exit(1)
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, interrupted)
+        signal.signal(signal.SIGINT, handle_interrupt)
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def interrupted(number: int, frame: FrameType | None) -> None:
+def handle_interrupt(number: int, frame: FrameType | None) -> None:
     """Count the interrupt, so that it does not come twice, and raise `KeyboardInterrupt`."""
     HEARD[0] = (HEARD[0] + 1) % 256
     signal.default_int_handler(number, frame)

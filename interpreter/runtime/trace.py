@@ -20,7 +20,7 @@ from ...semantics.scenes.object_definitions import Defaulting
 from ...semantics.space.distributions.distribution import Distribution
 from ...semantics.space.vectors import Vector
 from ...semantics.syntax.nodes import NOWHERE, Span
-from .program_run import Accepted, Chooser, Run, run
+from .program_run import Accepted, Chooser, Run, generate_scene
 
 MISSING = object()
 LONGEST = 80
@@ -68,13 +68,13 @@ class Event:
         """The event for the page that steps through a trace."""
         return {
             "number": self.number, "rule": self.rule, "name": self.name, "kind": self.kind, "file": self.span.file, "line": self.span.line,
-            "column": self.span.column, "endLine": self.span.end_line, "endColumn": self.span.end_column, "logDensity": finite(self.log_density),
+            "column": self.span.column, "endLine": self.span.end_line, "endColumn": self.span.end_column, "logDensity": json_number(self.log_density),
             "change": self.change, "isDensity": self.is_density, "inDefault": self.in_default, "assigned": [list(a) for a in self.assigned],
             "step": self.step,
         }
 
 
-def finite(number: float) -> float | str:
+def json_number(number: float) -> float | str:
     """A number as JSON can hold it."""
     return number if math.isfinite(number) else repr(number)
 
@@ -101,7 +101,7 @@ class Trace:
     def follow(self, config: Config, choose: Chooser, *, fuel: int) -> None:
         """Run once and keep every rule that fires. Raises the program's error, the events before it being kept."""
         self.state = config.state
-        self.run = run(config, choose, fuel=fuel, witness=self.witness)
+        self.run = generate_scene(config, choose, fuel=fuel, witness=self.witness)
 
     def witness(self, outcome: Outcome, drawn: object) -> None:
         """Add an outcome of the run."""
@@ -110,7 +110,7 @@ class Trace:
         if state is not None and time is not None and time != time_of(self.state):
             self.events.append(next_step(len(self.events) + 1, outcome, self.state, state))
             self.state = state
-        after = following(outcome, drawn)
+        after = next_config(outcome, drawn)
         assigned = ()
         if state is not None and not (isinstance(outcome, Next) and outcome.rule == ""):
             assigned = assignments(outcome, self.state, state)
@@ -122,14 +122,14 @@ class Trace:
             self.draws[outcome.address] = drawn
 
 
-def trace(config: Config, choose: Chooser, *, fuel: int) -> Trace:
+def trace_run_rules(config: Config, choose: Chooser, *, fuel: int) -> Trace:
     """Run once and keep every rule that fired. Raises the program's errors."""
     found = Trace()
     found.follow(config, choose, fuel=fuel)
     return found
 
 
-def following(outcome: Outcome, drawn: object) -> Config | None:
+def next_config(outcome: Outcome, drawn: object) -> Config | None:
     """The configuration after an outcome, None where the run ends."""
     match outcome:
         case Next(config=config) | Observe(config=config):
@@ -144,7 +144,7 @@ def state_after(outcome: Outcome, drawn: object) -> State | None:
     """The state after an outcome, None for one that has none."""
     if isinstance(outcome, (Done, Act, Finish)):
         return outcome.state
-    after = following(outcome, drawn)
+    after = next_config(outcome, drawn)
     return None if after is None else after.state
 
 
@@ -170,11 +170,11 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
             return None
         case Next(rule=rule, node=node, change=change, config=config):
             span = node.span if node is not None else getattr(config.control, "span", NOWHERE)
-            text = describe(change, assigned) or (running(config) if rule.startswith("D-") else "")
+            text = describe(change, assigned) or (describe_coroutine(config) if rule.startswith("D-") else "")
             return Event(number, rule, "rule", span, change=text, in_default=in_default, assigned=assigned)
         case Draw(rule=rule, node=node, distribution=distribution):
-            parameters = ", ".join(f"{k}={show(v)}" for k, v in distribution.parameters.items())
-            change = f"{show(drawn)} ~ {distribution.name}({parameters})"
+            parameters = ", ".join(f"{k}={trace_text(v)}" for k, v in distribution.parameters.items())
+            change = f"{trace_text(drawn)} ~ {distribution.name}({parameters})"
             log_density = log_density_of(distribution, drawn)
             is_density = distribution.support() is None
             return Event(number, outcome.fires(drawn), "draw", node.span, log_density, change, is_density, in_default, assigned)
@@ -183,7 +183,7 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
         case Done(rule=rule):
             return Event(number, rule, "done", NOWHERE, change="all default requirements hold: (π, O)")
         case Act(rule=rule, actions=actions, state=state):
-            return Event(number, rule, "done", NOWHERE, change=chosen(actions, state))
+            return Event(number, rule, "done", NOWHERE, change=describe_actions(actions, state))
         case Finish(rule=rule, reason=reason):
             return Event(number, rule, "done", NOWHERE, change=f"the scenario ends: {reason}")
         case Stuck(rule=rule, requirement=requirement):
@@ -192,13 +192,13 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
             return None
 
 
-def chosen(actions: Mapping[int, tuple[object, ...]], state: State) -> str:
+def describe_actions(actions: Mapping[int, tuple[object, ...]], state: State) -> str:
     """The actions of a time step, agent by agent."""
     agents = {instance.number: state.names.get(instance.number) or repr(instance) for instance in state.scene}
-    return "; ".join(f"{agents[n]} takes {', '.join(map(show, taken))}" for n, taken in actions.items()) or "no agent takes an action"
+    return "; ".join(f"{agents[n]} takes {', '.join(map(trace_text, taken))}" for n, taken in actions.items()) or "no agent takes an action"
 
 
-def running(config: Config) -> str:
+def describe_coroutine(config: Config) -> str:
     """Whose coroutine runs: an agent, with the behaviors that it is in, or a block of a scenario; nothing between them."""
     stack, result = config.stack, getattr(config.control, "value", None)
     inside: list[object] = list(result.rest.frames) if isinstance(result, Yielded) else []  # what has just been suspended
@@ -230,17 +230,17 @@ def assignments(outcome: Outcome, before: State | None, after: State) -> tuple[A
     """What got a value between two states; of σ, which is updated in place, what the outcome says."""
     found: list[Assigned] = []
     if isinstance(outcome, Next) and outcome.change is not None and outcome.change.where == "σ":
-        found.append(Assigned("σ", outcome.change.name, show(outcome.change.value)))
+        found.append(Assigned("σ", outcome.change.name, trace_text(outcome.change.value)))
     if before is None:
         return tuple(found)
     if before.params is not after.params:
-        found += [Assigned("π", n, show(v)) for n, v in after.params.items() if before.params.get(n, MISSING) is not v]
+        found += [Assigned("π", n, trace_text(v)) for n, v in after.params.items() if before.params.get(n, MISSING) is not v]
     if before.objects is not after.objects:
         for number, properties in after.objects.items():
             known = before.objects.get(number, {})
             if known is not properties:
                 owner = after.names.get(number) or instance_in(outcome, number) or in_scene(after, number) or f"<{number}>"
-                found += [Assigned("O", f"{owner}.{n}", show(v)) for n, v in properties.items() if known.get(n, MISSING) is not v]
+                found += [Assigned("O", f"{owner}.{n}", trace_text(v)) for n, v in properties.items() if known.get(n, MISSING) is not v]
     return tuple(found)
 
 
@@ -278,41 +278,41 @@ def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:
     return ", ".join(f"{w}[{', '.join(f'{a.name} / {a.value}' for a in assigned if a.where == w)}]" for w in wheres)
 
 
-def show(value: object) -> str:
+def trace_text(value: object) -> str:
     """A value in a line of a trace: short, and the same in every run of the same seed."""
     try:
         plain_value = value if waits(value) else unwrap(value)[0]
     except RecursionError:  # it contains itself
         plain_value = value
-    text = written(plain_value, LONGEST + 1)
+    text = rounded_text(plain_value, LONGEST + 1)
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
-def written(value: object, room: int) -> str:
+def rounded_text(value: object, room: int) -> str:
     """A value with its numbers rounded to six digits: all of it, or at least as many letters of it as there is room for."""
     match value:
         case float():
             return f"{value:.6g}"
         case Vector(x=x, y=y):
-            return f"({written(x, room)}, {written(y, room)})"
+            return f"({rounded_text(x, room)}, {rounded_text(y, room)})"
         case tuple() if type(value) is tuple and len(value) <= LONGEST:
-            return f"({', '.join(parts_of(value, room))}{',' if len(value) == 1 else ''})"
+            return f"({', '.join(rounded_parts(value, room))}{',' if len(value) == 1 else ''})"
         case Random():
-            return written(value.value, room)
+            return rounded_text(value.value, room)
         case type():
             return f"<class {value.__name__}>"
         case list() if len(value) <= LONGEST:
-            return f"[{', '.join(parts_of(value, room))}]"
+            return f"[{', '.join(rounded_parts(value, room))}]"
         case _:
             return stable_repr(value)
 
 
-def parts_of(values: Iterable[object], room: int) -> Iterator[str]:
+def rounded_parts(values: Iterable[object], room: int) -> Iterator[str]:
     """The parts of a value, written until there is no more room: what contains itself, or the same many times over, has no end."""
     for value in values:
         if room <= 0:
             return
-        text = written(value, room - 1)
+        text = rounded_text(value, room - 1)
         room -= len(text)
         yield text
 

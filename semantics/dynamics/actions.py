@@ -8,7 +8,7 @@ from dataclasses import is_dataclass
 from ..machine.config import Abrupt, Config, Stack, State, Value
 from ..machine.outcome import Next, Outcome
 from ..machine.premises import premises
-from ..machine.simulation_state import Clause, flagged
+from ..machine.simulation_state import Clause, flag_end
 from ..machine.values import Dynamic, unwrap
 from ..python.expression_statements import RUN_BY
 from ..store.errors import RunError
@@ -96,5 +96,5 @@ def terminate(node: d.Terminate, stack: Stack, state: State) -> Outcome:
     Which scenario that is depends on where the statement stands (reading `terminate-who`).
     """
     if node.simulation:
-        state = flagged("`terminate simulation` was executed", state)
+        state = flag_end("`terminate simulation` was executed", state)
     return Next("D-Terminate", Config(Abrupt("terminate", None, node.span), stack, state), node)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import Abrupt, Config, Stack, State, Value
 from ..machine.operand_kinds import is_finite, is_scalar, kind_name
 from ..machine.outcome import Draw, Next, Outcome, Requirement, Stuck
 from ..machine.premises import premises
 from ..machine.simulation_state import agent_of
-from ..machine.values import Dynamic, plain
+from ..machine.values import Dynamic, value_in_run
 from ..space.distributions import BadParameters, Discrete
 from ..store.errors import RunError
 from ..store.scopes import Scope
 from ..syntax import dynamics as d
 from .frames import Picking, Shuffling
 from .guards import scope_of
-from .invocations import Beginning, invoke, limited, runner, with_arguments
+from .invocations import Beginning, invoke, limit_task, runner, with_arguments
 
 
 class Enabling(NamedTuple):
@@ -39,9 +39,9 @@ def pick(node: d.DoChoose | d.DoShuffle, stack: Stack, state: State) -> Outcome:
 def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: Stack, state: State) -> Outcome:
     """Look whose preconditions hold."""
     count = len(node.invocations)
-    weights = [plain(w) for w in values[count:-1]] or [1] * count
+    weights = [value_in_run(w) for w in values[count:-1]] or [1] * count
     options = tuple((with_arguments(v, one, state), w) for v, w, one in zip(values, weights, node.invocations))
-    return limited(node, Picking(node, options), Beginning(begin_choice), values[-1], stack, state)
+    return limit_task(node, Picking(node, options), Beginning(begin_choice), values[-1], stack, state)
 
 
 def begin_choice(picking: Picking, stack: Stack, state: State) -> Outcome:
@@ -68,7 +68,7 @@ def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State)
     """A precondition was reduced: one that does not hold disables its option."""
     dynamic, _ = frame.picking.options[frame.i]
     condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
-    holds = holding(result, condition.span, state, "a precondition", "D-Choose")
+    holds = condition_truth(result, condition.span, state, "a precondition", "D-Choose")
     after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(i=frame.i + 1, condition=0)
     return enable(after, stack, state._replace(sigma=frame.outer))
 
@@ -97,7 +97,7 @@ def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
 
     def resume(chosen: object) -> Config:
         after = state._replace(draws=state.draws + 1)
-        return Config(Value(Chosen(picking, plain(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
+        return Config(Value(Chosen(picking, value_in_run(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
 
     return Draw("D-Choose", state.address, distribution, node, resume)
 

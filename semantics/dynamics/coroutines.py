@@ -52,14 +52,14 @@ def address_of(who: Who, state: State) -> tuple[int, ...]:
     return (DYNAMIC, state.simulation.step, KINDS.index(who.kind), who.number, who.part)
 
 
-def pushed(frames: tuple[object, ...], stack: Stack) -> Stack:
+def push_frames(frames: tuple[object, ...], stack: Stack) -> Stack:
     """The stack with frames on it, the first one innermost."""
     for frame in reversed(frames):
         stack = (frame, stack)
     return stack
 
 
-def restored(process: Suspended, state: State) -> State:
+def restore_coroutine(process: Suspended, state: State) -> State:
     """The state with the coroutine's own part."""
     return state._replace(sigma=process.sigma, handling=process.handling, depth=process.depth)
 

@@ -7,7 +7,7 @@ from ..machine.operand_kinds import kind_name
 from ..machine.outcome import Change, Next, Outcome
 from ..machine.premises import premises
 from ..machine.simulation_state import Declared
-from ..machine.values import Dynamic, plain
+from ..machine.values import Dynamic, value_in_run
 from ..store.errors import RunError
 from ..store.scopes import descendants
 from ..syntax import dynamics as d
@@ -56,10 +56,10 @@ def require_monitor(node: d.RequireMonitor, stack: Stack, state: State) -> Outco
 
 def conclude_require_monitor(node: d.RequireMonitor, values: list[object], stack: Stack, state: State) -> Outcome:
     """Declare the monitor with its arguments."""
-    found = plain(values[0])
+    found = value_in_run(values[0])
     if not (isinstance(found, Dynamic) and isinstance(found.definition, d.MonitorDefinition)):
         raise RunError(f"`require monitor` needs a monitor, not {kind_name(found)}", node.span, rule="S-Dynamic")
-    return dynamic_requirement(node, stack, state, monitored(found, node, state))
+    return dynamic_requirement(node, stack, state, declare_monitor(found, node, state))
 
 
 def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
@@ -75,11 +75,11 @@ def conclude_definition(
     defined = Dynamic(node, state.sigma, defaults)
     state.sigma.bind(node.name, defined)
     if isinstance(node, d.MonitorDefinition) and not node.by_instance:
-        state = declare(monitored(defined, node, state), stack, state)
+        state = declare(declare_monitor(defined, node, state), stack, state)
     return Next("S-Definition", Config(PASS, stack, state), node, Change("σ", node.name, defined))
 
 
-def monitored(monitor: Dynamic, node: Node, state: State) -> Declared:
+def declare_monitor(monitor: Dynamic, node: Node, state: State) -> Declared:
     """A monitor that is to run, with a scope of its own in which its parameters are bound."""
     instance = with_arguments(monitor, node, state)
     return Declared(instance.definition, scope_of(instance, state))

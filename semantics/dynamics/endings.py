@@ -8,7 +8,7 @@ from ..machine.config import Config, State
 from ..machine.outcome import Next, Outcome
 from ..machine.simulation_state import Suspended, simulation_of, with_scenario
 from .frames import Interruptible, Scenarios
-from .overrides import reverted
+from .overrides import revert_override
 
 
 def end_scenario(number: int, state: State) -> State:
@@ -20,7 +20,7 @@ def end_scenario(number: int, state: State) -> State:
         state = end_scenario(inner, state)
     running = simulation_of(state).scenarios[number]  # which may have inherited what an inner one had overridden
     for override in reversed(running.overrides):
-        state = reverted(override, number, state)
+        state = revert_override(override, number, state)
     return with_scenario(state, running._replace(over=True, overrides=(), compose=None))
 
 

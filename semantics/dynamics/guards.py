@@ -6,13 +6,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import PASS, Abrupt, Config, Stack, State
 from ..machine.draws import Apart
 from ..machine.outcome import Next, Outcome, Requirement, Stuck
 from ..machine.simulation_state import TOP, Who, simulation_of
 from ..machine.values import Dynamic
-from ..python.expressions import arrived
+from ..python.expressions import resolve_waiting
 from ..python.functions import bind
 from ..store.errors import InvariantViolation, PreconditionViolation
 from ..store.scopes import Scope, function_names
@@ -48,7 +48,7 @@ class Guarding(NamedTuple):
     then: Then
 
 
-def guarded(guards: tuple[Guards, ...], then: Then, stack: Stack, state: State, index: int = 0) -> Outcome:
+def reduce_guards(guards: tuple[Guards, ...], then: Then, stack: Stack, state: State, index: int = 0) -> Outcome:
     """Reduce the guards from number `i` on, one after the other, then go on."""
     while guards and index == len(guards[0].conditions):
         guards, index = guards[1:], 0
@@ -63,7 +63,7 @@ def guarded_apart(who: Who, guards: tuple[Guards, ...], then: Then, stack: Stack
     if not any(one.conditions for one in guards):
         return then(stack, state)
     inner = state._replace(prefix=address_of(who, state), draws=0)
-    return guarded(guards, partial(after_apart, then), (Apart(state.prefix, state.draws), stack), inner)
+    return reduce_guards(guards, partial(after_apart, then), (Apart(state.prefix, state.draws), stack), inner)
 
 
 def after_apart(then: Then, stack: Stack, state: State) -> Outcome:
@@ -78,8 +78,8 @@ def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State)
     condition = first.conditions[frame.i]
     after = state._replace(sigma=frame.outer)
     article = "an" if first.word == "invariant" else "a"
-    if holding(result, condition.span, state, f"{article} {first.word}", f"D-{first.word.capitalize()}"):
-        return guarded(frame.guards, frame.then, stack, after, frame.i + 1)
+    if condition_truth(result, condition.span, state, f"{article} {first.word}", f"D-{first.word.capitalize()}"):
+        return reduce_guards(frame.guards, frame.then, stack, after, frame.i + 1)
     return first.violated(f"the {first.word} of {first.name} on line {condition.span.line}", condition, stack, after)
 
 
@@ -113,8 +113,8 @@ def scope_of(dynamic: Dynamic, state: State, **more: object) -> Scope:
     """A new scope with the arguments as variables, and `more`; what waited for a scenario that has begun since waits no longer."""
     definition = dynamic.definition
     assert dynamic.arguments is not None
-    positional = tuple(arrived(value, state) for value in dynamic.arguments[0])
-    keywords = {name: arrived(value, state) for name, value in dynamic.arguments[1].items()}
+    positional = tuple(resolve_waiting(value, state) for value in dynamic.arguments[0])
+    keywords = {name: resolve_waiting(value, state) for name, value in dynamic.arguments[1].items()}
     bound = bind(definition.name, definition.parameters, dynamic.defaults, positional, keywords)  # type: ignore[attr-defined]
     return Scope("function", dynamic.scope, function_names(definition), {**bound, **more})
 
@@ -153,16 +153,16 @@ def invoked_in(frames: tuple[object, ...]) -> bool:
     return any(isinstance(frame, (Invoked, Together, Scenarios)) for frame in frames)
 
 
-def returned(stack: Stack, state: State) -> Outcome:
+def return_from_do(stack: Stack, state: State) -> Outcome:
     """A `do` statement returns; not yet where it has a limit, to which `Returning` belongs, or others to shuffle."""
     inside = isinstance(stack[0], Shuffling) or (isinstance(stack[0], Interruptible) and not isinstance(stack[0].node, s.Try))
     guards = () if inside else guards_on_resumption(stack, state)[-1:]
-    return guarded(guards, do_returns, stack, state)
+    return reduce_guards(guards, do_returns, stack, state)
 
 
 def resume_returning(frame: Returning, result: object, stack: Stack, state: State) -> Outcome:
     """The invariants of the caller are checked."""
-    return returned(stack, state)
+    return return_from_do(stack, state)
 
 
 def do_returns(stack: Stack, state: State) -> Outcome:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import Stack, State
 from ..machine.operand_kinds import Reader
 from ..machine.outcome import Outcome, Requirement
-from ..machine.values import Dynamic, Instance, plain
+from ..machine.values import Dynamic, Instance, value_in_run
 from ..python.calls import invocation
 from ..python.functions import InScope
-from ..scenes.statements import observed, require
+from ..scenes.statements import observe_requirement, require
 from ..scenes.termination import apply_termination_rules
 from ..store.errors import RunError, UsageError
 from ..store.scopes import Scope, bound_by, descendants
@@ -49,7 +49,7 @@ def only_scenario(scenarios: dict[str, Dynamic]) -> Dynamic | None:
 
 def scenarios_in(state: State) -> dict[str, Dynamic]:
     """The modular scenarios that the program defines, by name."""
-    defined = {name: plain(v) for name, v in state.sigma.bindings.items()}
+    defined = {name: value_in_run(v) for name, v in state.sigma.bindings.items()}
     return {name: v for name, v in defined.items() if isinstance(v, Dynamic) and isinstance(v.definition, d.ScenarioDefinition)}
 
 
@@ -88,7 +88,7 @@ def precondition(requirement: Requirement, result: object, stack: Stack, state: 
     """Section "Dynamic Scenarios", "Preconditions and Invariants": "like ordinary requirements, violating any precondition causes the simulation
     to be rejected." That of the initial scenario is observed.
     """
-    return observed("D-Initial", requirement, holding(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
+    return observe_requirement("D-Initial", requirement, condition_truth(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
 
 
 def resume_opening_guards(frame: OpeningGuards, result: object, stack: Stack, state: State) -> Outcome:
@@ -117,7 +117,7 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
             return begin_initial(main, (frame, stack), state)
     if state.ego is None and not may_come_later(state):
         check_without_ego(state, frame.empty, frame.unassigned)
-    return apply_termination_rules(stack, in_order(state))
+    return apply_termination_rules(stack, order_scene_objects(state))
 
 
 def unassigned_ego(statements: Iterable[Node]) -> Node | None:
@@ -150,15 +150,15 @@ def check_without_ego(state: State, empty: Span | None, unassigned: Node | None 
     if unassigned is not None:
         text = f"{EGO_BY[type(unassigned)]}, and no assignment makes an object the ego object"
         raise RunError(text, unassigned.span, rule="T-Mutate", hint="write ego = Object ..., and give the other one another name")
-    near = nearest("ego", [name for name, found in state.sigma.bindings.items() if isinstance(plain(found), Instance)])
+    near = nearest("ego", [name for name, found in state.sigma.bindings.items() if isinstance(value_in_run(found), Instance)])
     hint = f"write ego in place of {near}" if near else "write ego = Object ..."
     place = state.scene[0].span if state.scene else NOWHERE
     raise RunError(text, place, rule="T-Mutate", hint=other if scenarios and state.initial is None else hint)
 
 
-def in_order(state: State) -> State:
+def order_scene_objects(state: State) -> State:
     """The state whose objects stand in the order of the scene (reading `object-order`)."""
-    ego = plain(state.ego)
+    ego = value_in_run(state.ego)
     if state.reading("object-order") == "creation" or ego not in state.scene:
         return state
     return state._replace(scene=(ego, *(o for o in state.scene if o is not ego)))

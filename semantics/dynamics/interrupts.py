@@ -12,7 +12,7 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import PASS, Abrupt, Config, Stack, State, Value
 from ..machine.outcome import Next, Outcome
 from ..machine.simulation_state import Clause, Deadline, Suspended, Who, has_passed, simulation_of
@@ -22,10 +22,10 @@ from ..store.errors import NotBegun
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
-from .coroutines import Coroutine, address_of, pushed, restored
+from .coroutines import Coroutine, address_of, push_frames, restore_coroutine
 from .endings import give_up
 from .frames import Abortable, Interruptible, Returning
-from .guards import guarded, guards_on_resumption, invoked_in
+from .guards import guards_on_resumption, invoked_in, reduce_guards
 
 
 class Interrupting(NamedTuple):
@@ -111,7 +111,7 @@ def check_interrupts(process: Suspended, stack: Stack, state: State, place: int 
             while clause > frame.current:
                 condition = frame.clauses[clause].condition
                 if not isinstance(condition, Deadline):
-                    asked = (Interrupting(process, place, clause), pushed(process.frames[place + 1 :], stack))
+                    asked = (Interrupting(process, place, clause), push_frames(process.frames[place + 1 :], stack))
                     return Next("", Config(condition, asked, state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)))
                 if has_passed(condition, frame.first_step, simulation_of(state)):
                     return interrupt(process, place, clause, stack, state)
@@ -129,7 +129,7 @@ def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state
     condition = statement.clauses[frame.clause].condition
     assert isinstance(condition, Expression)
     what = "the condition of an interrupt" if isinstance(statement.node, s.Try) else "the condition of `until`"
-    if holding(result, condition.span, state, what, "D-Interrupt"):
+    if condition_truth(result, condition.span, state, what, "D-Interrupt"):
         return interrupt(frame.process, frame.place, frame.clause, stack, state)
     return check_interrupts(frame.process, stack, state, frame.place, frame.clause - 1)
 
@@ -158,10 +158,10 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
     own = state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)
     condition = frame.clauses[clause].condition
     node = frame.node if isinstance(condition, Deadline) else condition
-    whole = (handling, pushed(process.frames[place + 1 :], stack))
+    whole = (handling, push_frames(process.frames[place + 1 :], stack))
     goes_on = process.begun and (not invoked_in(interrupted.frames) or state.reading("invariant-of-caller") == "every-step")
     guards = guards_on_resumption(whole, state) if goes_on else ()
-    return guarded(guards, partial(begin_handler, frame.clauses[clause].block, node), whole, own)
+    return reduce_guards(guards, partial(begin_handler, frame.clauses[clause].block, node), whole, own)
 
 
 def begin_handler(handler: s.Block, node: Node, stack: Stack, state: State) -> Outcome:
@@ -192,12 +192,12 @@ def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, sta
 
 def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
     """Check the invariants of the behavior or scenario that the coroutine is in, then go on where it was."""
-    whole = pushed(process.frames, stack)
+    whole = push_frames(process.frames, stack)
     guards = guards_on_resumption(whole, state) if process.begun else ()
-    return guarded(guards, partial(continued, process.control), whole, restored(process, state))
+    return reduce_guards(guards, partial(continue_coroutine, process.control), whole, restore_coroutine(process, state))
 
 
-def continued(control: Node | Value | Abrupt, stack: Stack, state: State) -> Outcome:
+def continue_coroutine(control: Node | Value | Abrupt, stack: Stack, state: State) -> Outcome:
     """The coroutine goes on."""
     return Next("", Config(control, stack, state))
 
@@ -209,7 +209,7 @@ def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State, p
     return check_interrupts(process, (frame, stack), inner)
 
 
-def within(node: Node, until: Clause, control: Value, task: object, stack: Stack, state: State) -> Outcome:
+def run_until_limit(node: Node, until: Clause, control: Value, task: object, stack: Stack, state: State) -> Outcome:
     """Go on with the frame `task` unless the limit is reached, now or later."""
     assert state.simulation is not None
     frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)

@@ -12,8 +12,8 @@ from ..machine.config import Abrupt, Config, Stack, State, Value
 from ..machine.operand_kinds import SCALAR, has_kind, kind_name
 from ..machine.outcome import Next, Outcome
 from ..machine.premises import premises
-from ..machine.simulation_state import Agent, Clause, Deadline, Suspended, Who, agent_of, flagged, line_of
-from ..machine.values import Dynamic, plain
+from ..machine.simulation_state import Agent, Clause, Deadline, Suspended, Who, agent_of, flag_end, span_line_text
+from ..machine.values import Dynamic, value_in_run
 from ..python.calls import invocation
 from ..python.functions import LARGEST_DEPTH, body_as_statement
 from ..python.string_methods import stable_repr
@@ -25,8 +25,8 @@ from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Name
 from .coroutines import Coroutine, Ended, Yielded, suspend
 from .frames import Invoked, Picking, Together
-from .guards import guarded, guards_of, returned, scope_of
-from .interrupts import run_for_one_step, within
+from .guards import guards_of, reduce_guards, return_from_do, scope_of
+from .interrupts import run_for_one_step, run_until_limit
 from .scenarios import begin_scenarios, deadline_of
 
 # Values
@@ -34,7 +34,7 @@ from .scenarios import begin_scenarios, deadline_of
 
 def with_arguments(value: object, node: Node, state: State) -> Dynamic:
     """A behavior or scenario that can run: one without parentheses has the default arguments (reading `bare-behavior`)."""
-    found = plain(value)
+    found = value_in_run(value)
     if not isinstance(found, Dynamic):
         hint = ""
         if has_kind(found, SCALAR):
@@ -59,10 +59,10 @@ def conclude_do(node: d.Do, values: list[object], stack: Stack, state: State) ->
     """Begin the invocations, inside a statement with an interrupt if there is a limit (Section "Dynamic Scenarios": they are short for one)."""
     *invocations, amount = values
     behaviors = tuple(with_arguments(v, one, state) for v, one in zip(invocations, node.invocations, strict=True))
-    return limited(node, Begin(node, behaviors), Beginning(begin_all), amount, stack, state)
+    return limit_task(node, Begin(node, behaviors), Beginning(begin_all), amount, stack, state)
 
 
-def limited(
+def limit_task(
     node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, begin: Beginning, amount: object, stack: Stack, state: State
 ) -> Outcome:
     """A task within the limit of its statement. Scenarios are set up first, so that the limit may be about them, as in the paper's listing."""
@@ -78,7 +78,7 @@ def limited(
     if isinstance(task, Begin) and runner(stack).kind == "compose":
         check_kinds(task, "compose")
         return begin_scenarios(node, task.invocations, stack, state, until)
-    return within(node, until, Value(task), begin, stack, state)
+    return run_until_limit(node, until, Value(task), begin, stack, state)
 
 
 class Begin(NamedTuple):
@@ -121,7 +121,7 @@ def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: St
         raise RunError(f"a {who.kind} has no agent that could run {invocations[0]!r}", node.span, rule="D-Do")
     if len(invocations) == 1:
         return run_behavior(node, invocations[0], who, stack, state, enabled=enabled)
-    children = tuple((k, beginning(b, node, state)) for k, b in enumerate(invocations))
+    children = tuple((k, behavior_coroutine(b, node, state)) for k, b in enumerate(invocations))
     return run_together(Together(children, who, 0, (), ()), stack, state)
 
 
@@ -139,7 +139,7 @@ def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: S
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{behavior!r} invokes itself too deeply ({LARGEST_DEPTH} invocations are open)", node.span, rule="D-Do")
     scope = scope_of(behavior, state, self=agent_of(who, state))
-    return guarded(guards_of(behavior, scope)[enabled:], partial(enter_behavior, node, behavior, scope), stack, state)
+    return reduce_guards(guards_of(behavior, scope)[enabled:], partial(enter_behavior, node, behavior, scope), stack, state)
 
 
 def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
@@ -154,10 +154,10 @@ def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, st
 
 def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -> Outcome:
     """The behavior ended: "When the do statement returns, the invariants of the calling behavior/scenario are checked"."""
-    return returned(stack, left(frame, state))
+    return return_from_do(stack, leave_invocation(frame, state))
 
 
-def left(frame: Invoked, state: State) -> State:
+def leave_invocation(frame: Invoked, state: State) -> State:
     """Back in the scope of the caller."""
     return state._replace(sigma=frame.caller, depth=state.depth - 1)
 
@@ -166,13 +166,13 @@ def unwind_invoked(frame: Invoked, abrupt: Abrupt, stack: Stack, state: State) -
     """`return` ends the behavior; all else goes on."""
     if abrupt.kind == "return":
         return resume_invoked(frame, None, stack, state)
-    return Next("", Config(abrupt, stack, left(frame, state)))
+    return Next("", Config(abrupt, stack, leave_invocation(frame, state)))
 
 
 # Several behaviors at a time
 
 
-def beginning(behavior: Dynamic, node: Node, state: State) -> Suspended:
+def behavior_coroutine(behavior: Dynamic, node: Node, state: State) -> Suspended:
     """A coroutine that will run a behavior."""
     return Suspended(Value(Begin(node, (behavior,))), (Beginning(begin_all),), state.sigma, (), state.depth, begun=False)
 
@@ -187,7 +187,7 @@ def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
     if frame.terminates:
         return Next("", Config(Abrupt("terminate"), stack, state))
     if not frame.left:
-        return returned(stack, state)
+        return return_from_do(stack, state)
     return suspend(frame.actions, Value(None), (Together(frame.left, frame.who, 0, (), ()), stack), state, "")
 
 
@@ -209,13 +209,13 @@ def unwind_together(frame: Together, abrupt: Abrupt, stack: Stack, state: State)
     of the policy is set all the same: "setting the terminate flag as in (3)", that is "if the terminate statement is executed".
     """
     if frame.terminates:
-        state = flagged(f"the behavior of {agent_of(frame.who, state)!r} executed `terminate`", state)
+        state = flag_end(f"the behavior of {agent_of(frame.who, state)!r} executed `terminate`", state)
     return Next("", Config(abrupt, stack, state))
 
 
-def doing(agent: Agent) -> str:
+def describe_behaviors(agent: Agent) -> str:
     """Which behaviors an agent is in, the outermost first, and on which line the innermost waits."""
     if agent.ended or agent.process is None:
         return "its behavior has ended" if agent.ended else ""
     names = [stable_repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
-    return ", ".join([" > ".join(names), *([place] if (place := line_of(agent.process.span, agent.instance.span.file)) else [])])
+    return ", ".join([" > ".join(names), *([place] if (place := span_line_text(agent.process.span, agent.instance.span.file)) else [])])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..machine.built_in_properties import checked_property
 from ..machine.config import PASS, Config, Stack, State
-from ..machine.implicit_positions import expression_of, specifying, waits
+from ..machine.implicit_positions import expression_of, specifier_scope, waits
 from ..machine.operand_kinds import is_object, kind_name
 from ..machine.outcome import Change, Next, Outcome
 from ..machine.premises import premises
@@ -18,7 +18,7 @@ from ..machine.simulation_state import (
     with_scenario,
     with_simulation,
 )
-from ..machine.values import Dynamic, Instance, plain
+from ..machine.values import Dynamic, Instance, value_in_run
 from ..python.functions import InScope
 from ..scenes.resolution import Specification, specified_twice
 from ..scenes.specifier_arguments import describe
@@ -44,20 +44,20 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
 
     The old values are remembered here; a behavior is suspended, and the new one begins.
     """
-    target, assigned = plain(values[0]), values[1:]
+    target, assigned = value_in_run(values[0]), values[1:]
     if not (isinstance(target, Instance) and is_object(target)):
         raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
     if state.simulation is None:
         raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
-    if any(map(waits, map(plain, assigned))):
-        inner = state._replace(sigma=specifying(target, state.sigma))
+    if any(map(waits, map(value_in_run, assigned))):
+        inner = state._replace(sigma=specifier_scope(target, state.sigma))
         return premises(node, list(map(expression_of, values)), conclude_override, (InScope(state.sigma), stack), inner)
     changes = changed_properties(node, target, assigned, state)
     old = {name: state.objects[target.number][name] for name in changes}
     agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
     order = simulation_of(state).overrides
     state = with_simulation(state, overrides=order + 1)
-    state = remembered(Overridden(target, old, agent, order), stack, state.with_properties(target, changes))
+    state = remember_override(Overridden(target, old, agent, order), stack, state.with_properties(target, changes))
     state = with_agent(state, Agent(target)) if agent is not None else state
     return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
 
@@ -86,13 +86,13 @@ def changed_properties(node: d.Override, target: Instance, assigned: list[object
             text = f"the property {name} of {target.class_.name} is final: no specifier may specify it"
             raise RunError(text, specifier.span, rule="D-Override")
         changes[name] = checked_property(name, value, specifier.value.span, specification.name, state)
-        inner = plain(value)
+        inner = value_in_run(value)
         if name == "behavior" and inner is not None and not (isinstance(inner, Dynamic) and isinstance(inner.definition, d.BehaviorDefinition)):
             raise RunError(f"the property behavior must be a behavior, not {kind_name(inner)}", specifier.value.span, rule="D-Override")
     return changes
 
 
-def remembered(override: Overridden, stack: Stack, state: State) -> State:
+def remember_override(override: Overridden, stack: Stack, state: State) -> State:
     """The override belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
@@ -106,7 +106,7 @@ def remembered(override: Overridden, stack: Stack, state: State) -> State:
     raise RunError("`override` must stand in a scenario", rule="D-Override")
 
 
-def reverted(override: Overridden, number: int, state: State) -> State:
+def revert_override(override: Overridden, number: int, state: State) -> State:
     """The object has its properties again, and goes on with the behavior that was suspended.
 
     Where another scenario has overridden them since, which is still running, they come back when that one ends (reading `override-overlap`).

@@ -22,13 +22,13 @@ from ..machine.simulation_state import (
     Simulation,
     Suspended,
     Who,
-    flagged,
+    flag_end,
     simulation_of,
     with_agent,
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ..machine.values import Dynamic, plain
+from ..machine.values import Dynamic, value_in_run
 from ..store.errors import GuardViolation, RunError
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
@@ -38,7 +38,7 @@ from .endings import end_scenario
 from .guards import PRECONDITIONS, guarded_apart, opening_guards
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
-from .scenarios import Over, as_before, scenario_from, settled, step_of_scenario
+from .scenarios import Over, as_before, scenario_from, settle_properties, step_of_scenario
 from .temporal_requirements import condition_at, decision, over_time
 
 DEFAULT_TIMESTEP = 0.1
@@ -65,7 +65,7 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic)
     fixed |= {"position", "heading"}
     simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed, known=state.made, egoless=state.ego is None)
-    return state._replace(simulation=simulation, objects=settled(state.objects), dynamic=(), handling=(), depth=0)
+    return state._replace(simulation=simulation, objects=settle_properties(state.objects), dynamic=(), handling=(), depth=0)
 
 
 def policy(state: State, limit: str = "") -> Config:
@@ -99,7 +99,7 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
         first, inner = partial(step_of_scenario, TOP), with_simulation(state, active=())
         return guarded_apart(Who("compose", TOP, PRECONDITIONS), opening_guards(state), first, (frame, stack), inner)
     reason = result.reason if isinstance(result, Over) else ""
-    return following(frame, "D-Policy-1", stack, flagged(reason, state))
+    return advance_policy(frame, "D-Policy-1", stack, flag_end(reason, state))
 
 
 def requirements_over_time(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
@@ -112,16 +112,16 @@ def requirements_over_time(frame: Step, result: object, stack: Stack, state: Sta
     todo = list(conditions(state))
     if frame.outer is not None:
         number, place, declared = todo[frame.next]
-        decide = record if isinstance(declared.node, d.Record) else decision(number, place, declared)
+        decide = conclude_record if isinstance(declared.node, d.Record) else decision(number, place, declared)
         return decide(declared.node, result, (frame._replace(next=frame.next + 1, outer=None), stack), as_before(frame.outer, state))  # type: ignore[arg-type]
     if frame.next < len(todo):
         return condition_at(*todo[frame.next], (frame._replace(outer=state), stack), state)
     ended = (running for running in simulation_of(state).scenarios.values() if running.over)
     missed = next((missed for running in ended if (missed := never_held(running)) is not None), None)
-    return never_satisfied(missed) if missed is not None else following(frame, "D-Policy-2", stack, state)
+    return never_satisfied(missed) if missed is not None else advance_policy(frame, "D-Policy-2", stack, state)
 
 
-def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
+def conclude_record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ⟩ → v in time step t then ⟨record E as name, σ⟩ → ⟨pass, σ⟩, and (t, v) is recorded under the name.
 
     Of `record initial E` that is so in the first time step of the scenario, of `record final E` in its last. The last statement of a name counts.
@@ -129,7 +129,7 @@ def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcom
     name, now = name_of_record(node), simulation_of(state).step
     recorded = simulation_of(state).recorded
     before = () if node.time == "final" else tuple(earlier for earlier in recorded.get(name, ()) if earlier[0] < now)
-    after = with_simulation(state, recorded={**recorded, name: (*before, (now, plain(result)))})
+    after = with_simulation(state, recorded={**recorded, name: (*before, (now, value_in_run(result)))})
     return Next("D-Record", Config(PASS, stack, after), node)
 
 
@@ -183,11 +183,11 @@ def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome
         if process is not None:
             return run_for_one_step(process, Who("monitor", number, place), (frame, stack), state)
         frame = Step(frame.number, frame.next + 1)
-    left = {number: running for number, running in simulation_of(state).scenarios.items() if not running.over or unchecked(running)}
-    return following(frame, "D-Policy-3", stack, with_simulation(state, scenarios=left))
+    left = {number: running for number, running in simulation_of(state).scenarios.items() if not running.over or has_unreported_eventually(running)}
+    return advance_policy(frame, "D-Policy-3", stack, with_simulation(state, scenarios=left))
 
 
-def unchecked(running: Running) -> bool:
+def has_unreported_eventually(running: Running) -> bool:
     """Whether a scenario that a monitor has ended just now has a `require eventually` that never held: the next check of these finds it."""
     return never_held(running) is not None
 
@@ -195,7 +195,7 @@ def unchecked(running: Running) -> bool:
 def ended_by_monitor(number: int, state: State) -> State:
     """`terminate` in a monitor ends the scenario that declares it, the top level by the flag; or the flag is the simulation's (`terminate-who`)."""
     if number == TOP or state.reading("terminate-who") == "simulation":
-        return flagged("a monitor executed `terminate`", state)
+        return flag_end("a monitor executed `terminate`", state)
     return end_scenario(number, state)
 
 
@@ -203,22 +203,22 @@ def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outco
     """Section "Semantics of Scenic", "Dynamic Constructs", step 4: "If the flag is set, check that all require eventually conditions were
     satisfied at some time step: if so, terminate the simulation; otherwise, discard it."
     """
-    return ended(frame, "D-Policy-4", stack, state)
+    return end_or_advance(frame, "D-Policy-4", stack, state)
 
 
 def check_flag_again(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Section "Semantics of Scenic", "Dynamic Constructs", step 6: "Repeat (4) to check the terminate flag."
     """
-    return ended(frame, "D-Policy-6", stack, state)
+    return end_or_advance(frame, "D-Policy-6", stack, state)
 
 
-def ended(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
+def end_or_advance(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
     """The end of the scenario, if there is a reason for it."""
     simulation = simulation_of(state)
     reason = simulation.flag or simulation.limit
     if not reason:
-        return following(frame, rule, stack, state)
-    missed = unsatisfied(state)
+        return advance_policy(frame, rule, stack, state)
+    missed = first_unsatisfied(state)
     if missed is not None:
         return never_satisfied(missed)
     if simulation.flag and state.ego is None and state.reading("no-ego") == "error":
@@ -228,7 +228,7 @@ def ended(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
     return Finish(rule, reason, state)
 
 
-def unsatisfied(state: State) -> Requirement | None:
+def first_unsatisfied(state: State) -> Requirement | None:
     """A `require eventually` that never held."""
     return next((missed for r in simulation_of(state).scenarios.values() if (missed := never_held(r)) is not None), None)
 
@@ -255,19 +255,19 @@ def behaviors(frame: Step, result: object, stack: Stack, state: State) -> Outcom
         else:
             state = with_agent(state, agent._replace(process=None, ended=True))
             if isinstance(result, Ended) and result.terminates:
-                state = flagged(f"the behavior of {instance!r} executed `terminate`", state)
+                state = flag_end(f"the behavior of {instance!r} executed `terminate`", state)
         frame = Step(frame.number, frame.next + 1)
     stopped = simulation_of(state).flag and state.reading("behaviors-after-terminate") == "stop"
     while frame.next < len(state.scene) and not stopped:
         instance = state.scene[frame.next]
         agent = simulation_of(state).agents.get(instance.number, Agent(instance))
-        behavior = plain(state.objects[instance.number].get("behavior"))
+        behavior = value_in_run(state.objects[instance.number].get("behavior"))
         if behavior is not None and not agent.ended:
             process = agent.process or first_step(behavior, instance.span, state)
             who = Who("behavior", instance.number)
             return run_for_one_step(process, who, (frame, stack), with_agent(state, agent))
         frame = Step(frame.number, frame.next + 1)
-    return following(frame, "D-Policy-5", stack, state)
+    return advance_policy(frame, "D-Policy-5", stack, state)
 
 
 def first_step(behavior: object, span: object, state: State) -> Suspended:
@@ -292,7 +292,7 @@ def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
 STEPS = {1: compose_blocks, 2: requirements_over_time, 3: monitors, 4: check_flag, 5: behaviors, 6: check_flag_again, 7: actions}
 
 
-def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
+def advance_policy(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
     """A step of the policy is done: on with the next."""
     return Next(rule, Config(PASS, (Step(frame.number + 1), stack), state))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import Abrupt, Config, Properties, Stack, State, Value
 from ..machine.operand_kinds import is_scalar, kind_name
 from ..machine.outcome import Next, Outcome
@@ -18,13 +18,13 @@ from ..machine.simulation_state import (
     Setting,
     Suspended,
     Who,
-    flagged,
+    flag_end,
     has_passed,
     simulation_of,
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ..machine.values import Dynamic, plain
+from ..machine.values import Dynamic, value_in_run
 from ..python.control_flow import block
 from ..python.functions import LARGEST_DEPTH, body_as_statement
 from ..scenes.termination import apply_termination_rules
@@ -35,8 +35,8 @@ from ..syntax.nodes import Node
 from .coroutines import Coroutine, Ended, Yielded, address_of, suspend
 from .endings import end_scenario
 from .frames import Scenarios
-from .guards import INVARIANTS, compose_guards, guarded, guarded_apart, guards_of, returned, scope_of
-from .interrupts import run_for_one_step, within
+from .guards import INVARIANTS, compose_guards, guarded_apart, guards_of, reduce_guards, return_from_do, scope_of
+from .interrupts import run_for_one_step, run_until_limit
 from .temporal_requirements import condition_at, decision, over_time
 
 
@@ -86,12 +86,12 @@ def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
         after = state._replace(sigma=frame.before.sigma, dynamic=frame.before.dynamic)
         scenarios = Scenarios(frame.node, frame.begun)
         if frame.until is not None:
-            return within(frame.node, frame.until, Value(None), scenarios, stack, after)
+            return run_until_limit(frame.node, frame.until, Value(None), scenarios, stack, after)
         return run_scenarios(scenarios, stack, after)
     scenario = frame.invocations[frame.i]
     scope = fresh_space(scenario, frame.node, state)
     preconditions = () if frame.enabled else guards_of(scenario, scope)[:1]
-    return guarded(preconditions, partial(enter_setup, scope), (frame, stack), state)
+    return reduce_guards(preconditions, partial(enter_setup, scope), (frame, stack), state)
 
 
 def enter_setup(scope: Scope, stack: Stack, state: State) -> Outcome:
@@ -121,7 +121,7 @@ def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
     state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
-    state = with_scenario(state, running).with_objects(settled(state.objects))
+    state = with_scenario(state, running).with_objects(settle_properties(state.objects))
     state = state._replace(dynamic=frame.before.dynamic, sigma=frame.before.sigma)
     return set_up(frame._replace(i=frame.i + 1, begun=(*frame.begun, number), stage="preconditions"), stack, state)
 
@@ -151,9 +151,9 @@ def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
     return scope
 
 
-def settled(objects: Mapping[int, Properties]) -> Mapping[int, Properties]:
+def settle_properties(objects: Mapping[int, Properties]) -> Mapping[int, Properties]:
     """The properties of objects once their setup block is over: what was drawn is known."""
-    return {number: {name: plain(value) for name, value in properties.items()} for number, properties in objects.items()}
+    return {number: {name: value_in_run(value) for name, value in properties.items()} for number, properties in objects.items()}
 
 
 def scenario_from(
@@ -194,7 +194,7 @@ def run_scenarios(frame: Scenarios, stack: Stack, state: State) -> Outcome:
     if frame.i < len(frame.numbers):
         return step_of_scenario(frame.numbers[frame.i], (frame, stack), state)
     if not frame.left:
-        return returned(stack, state)
+        return return_from_do(stack, state)
     return suspend((), Value(None), (Scenarios(frame.node, frame.left), stack), state, "")
 
 
@@ -300,7 +300,7 @@ def time_is_over(declared: Declared, running: Running, stack: Stack, state: Stat
 
 def deadline_of(limit: d.TimeLimit, amount: object, node: Node, rule: str, state: State) -> Deadline:
     """The time limit, once its amount is a value. Raises `RunError` for one that is no number, or below 0."""
-    time = plain(amount)
+    time = value_in_run(amount)
     word = "after" if isinstance(node, d.TerminateAfter) else "for"
     if not is_scalar(time):
         raise RunError(f"the time of `{word}` must be a number, not {kind_name(time)}", node.span, rule=rule)
@@ -316,11 +316,11 @@ def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> 
     node = simulation_of(state).scenarios[frame.number].terminations[frame.i].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)
-    if result is GOES_ON or not holding(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
+    if result is GOES_ON or not condition_truth(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
         return check_termination(frame.number, frame.i + 1, stack, after)
     reason = f"the termination condition on line {node.span.line} is true"
     if node.simulation:  # the scenario itself goes on, to the end of the time step
-        return Next("D-TerminateWhen", Config(Value(GOES_ON), (Ending(frame.number, frame.i, frame.outer), stack), flagged(reason, state)), node)
+        return Next("D-TerminateWhen", Config(Value(GOES_ON), (Ending(frame.number, frame.i, frame.outer), stack), flag_end(reason, state)), node)
     return Next("D-TerminateWhen", Config(Value(Over(reason)), stack, after), node)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import PASS, Config, Stack, State
 from ..machine.outcome import Next, Observe, Outcome, Requirement, Stuck
 from ..machine.simulation_state import Declared, Running, Who, simulation_of, with_scenario
@@ -40,13 +40,13 @@ def always(node: d.RequireAlways, result: object, stack: Stack, state: State) ->
     if it is ever violated during a simulation, we reject that simulation and sample a new one." It is step 2 of the policy.
     """
     requirement = Requirement("always", node.span, f"`require always` on line {node.span.line}")
-    holds = holding(result, node.condition.span, state, "a requirement", "D-Always")
+    holds = condition_truth(result, node.condition.span, state, "a requirement", "D-Always")
     return Observe("D-Always", requirement, Config(PASS, stack, state)) if holds else Stuck("D-Always", requirement)
 
 
 def eventually(number: int, place: int, node: d.RequireEventually, result: object, stack: Stack, state: State) -> Outcome:
     """`require eventually B`: where B holds now, it has held at some time."""
-    if holding(result, node.condition.span, state, "a requirement", "D-Eventually"):
+    if condition_truth(result, node.condition.span, state, "a requirement", "D-Eventually"):
         running = simulation_of(state).scenarios[number]
         state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
     return Next("", Config(PASS, stack, state))

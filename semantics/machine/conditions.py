@@ -32,7 +32,7 @@ from .values import (
     Native,
     Random,
     Special,
-    plain,
+    value_in_run,
 )
 
 INSTEAD_OF_BRANCHES = "use `require` to condition on it, or Uniform/Discrete to choose among values"
@@ -84,7 +84,7 @@ def where_open(truth: object, going_on: bool, operand: Next, decided: Callable[[
 
 def truth_of(result: object, state: State) -> object:
     """The truth of a value, random or not, in this run."""
-    return plain(host(state.settings.door, state, bool, result))
+    return value_in_run(host(state.settings.door, state, bool, result))
 
 
 def combine(operator: str, operands: tuple[object, ...], state: State) -> object:
@@ -97,7 +97,7 @@ def combine(operator: str, operands: tuple[object, ...], state: State) -> object
         return values[-1]
 
     connective: Callable[[Any, Any], object] = {"and": python.and_, "or": python.or_}[operator]  # pyright: ignore[reportUnknownVariableType, reportUnknownMemberType]
-    if all(is_truth(plain(v)) for v in operands):
+    if all(is_truth(value_in_run(v)) for v in operands):
         return fold_left(lambda left, right: host(state.settings.door, state, connective, left, right), operands)
     return host(state.settings.door, state, fold, *operands)
 
@@ -136,13 +136,13 @@ def random_branch(result: Random, node: Node, what: str, hint: str = INSTEAD_OF_
     )
 
 
-def holding(result: object, span: Span, state: State, what: str, rule: str) -> object:
+def condition_truth(result: object, span: Span, state: State, what: str, rule: str) -> object:
     """Whether the condition of a requirement, guard, interrupt or end holds, perhaps as a symbol: a boolean, in this run where it is random.
 
     An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else (reading `condition-truth`), and under
     each reading for a definition, which would always hold.
     """
-    inner = plain(result)
+    inner = value_in_run(result)
     any_truth = state.reading("condition-truth") == "any" and not isinstance(inner, DEFINITIONS)
     holds = truth_of(result, state) if any_truth or (is_user_made(inner) and not isinstance(inner, type)) else inner
     if not is_truth(holds):

@@ -11,7 +11,7 @@ from ..syntax.nodes import Node, Span
 from ..syntax.python_expressions import Call, DictDisplay, Name, Starred
 from .config import Abrupt, Config, Stack, State, Value
 from .outcome import Draw, Next, Outcome, Requirement, Stuck
-from .stuck_runs import NothingToDraw, unmet
+from .stuck_runs import NothingToDraw, unmet_requirement
 from .values import Constructor, Origin, Random, unwrap
 
 
@@ -19,7 +19,7 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
     """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "Semantics of expressions", Distributions)."""
     unwrap((arguments, keywords))  # none may wait for a position
     try:
-        named = renamed(keywords, constructor)
+        named = canonical_keywords(keywords, constructor)
         if constructor.keeps_values:
             distribution = constructor.make(*arguments, **named)
         else:
@@ -54,7 +54,7 @@ def missing_values(node: Node, distribution: str) -> str:
             return f"{distribution} has nothing to draw: it is given no values"
 
 
-def renamed(keywords: Mapping[str, object], constructor: Constructor) -> dict[str, object]:
+def canonical_keywords(keywords: Mapping[str, object], constructor: Constructor) -> dict[str, object]:
     """The arguments by our names of the parameters. Raises `TypeError` if one is given by two names."""
     named = {constructor.renamed.get(name, name): given for name, given in keywords.items()}
     if len(named) < len(keywords):
@@ -83,7 +83,7 @@ def maker(constructor: Constructor, state: State) -> Callable[..., Distribution]
 
 def of_nothing(constructor: Constructor, span: Span) -> Stuck:
     """A distribution over the values of a container of random length has no value where that is empty (reading `random-length`)."""
-    return Stuck("E-Distributions", unmet(NothingToDraw(constructor.name), span))
+    return Stuck("E-Distributions", unmet_requirement(NothingToDraw(constructor.name), span))
 
 
 def invalid(rule: str, bad: BadParameters, span: Span, state: State, text: str = "") -> Stuck:

@@ -30,7 +30,7 @@ from .reachable_changes import changed_since, is_reached, lost_change
 from .run_loop import Arrived, Machine, Unfinished, drive_machine
 from .sandbox_table import is_value, own_word
 from .value_nesting import too_deep
-from .values import CONTAINERS, Function, Instance, Origin, plain, unwrap, wrap
+from .values import CONTAINERS, Function, Instance, Origin, unwrap, value_in_run, wrap
 
 DOOR_FUEL = 1_000_000
 DEEPEST_CALLS = 40
@@ -189,7 +189,7 @@ class Door:
                 raise RunError(f"{function.name} ends the program while library code calls it", function.span)
 
 
-def entered(door: Door, version: Version) -> bool:
+def has_entered_program(door: Door, version: Version) -> bool:
     """Whether host code called a function of the program since the version: what Python then raises, where nobody expects it, is the program's."""
     return any(type(note) is Slot and note.subject is door for note in version.undo)
 
@@ -203,7 +203,7 @@ def numbers_of(operands: Iterable[Any]) -> Iterator[int]:
         yield from found.keys() - seen
         seen |= found.keys()
         parts = (p for o in found.values() for p in (*items_of(o), *(values_of(o) if isinstance(o, dict) else ())))
-        level = [p for p in map(plain, parts) if isinstance(p, CONTAINERS) and id(p) not in seen]
+        level = [p for p in map(value_in_run, parts) if isinstance(p, CONTAINERS) and id(p) not in seen]
 
 
 def check_unchanged(function: Function, before: State, after: State) -> None:
@@ -259,7 +259,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     finally:
         door.budget.versions.given = None
     if type(result) not in PLAIN:
-        result = settled(result, state)
+        result = admit_host_result(result, state)
     return wrap(result, origin or door.origin)
 
 
@@ -279,7 +279,7 @@ def in_list(argument: object) -> object:
     return (argument.taken_ahead() or argument) if type(argument) is Generator else argument
 
 
-def settled(result: object, state: State) -> object:
+def admit_host_result(result: object, state: State) -> object:
     """What host code made, paid for and checked; a number of NumPy's as Python's."""
     if isinstance(result, np.generic):
         return result.item()

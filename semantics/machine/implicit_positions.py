@@ -19,7 +19,7 @@ from .values import Dynamic, Instance, Random, unwrap
 SPECIFIED = "<the object being specified>"
 
 
-def specified(state: State) -> Instance | None:
+def specified_object(state: State) -> Instance | None:
     """The object whose position is meant here: the one that is being specified, once its position is known; in a behavior `self`."""
     found = state.sigma.lookup(SPECIFIED)
     if found is MISSING and state.runs:
@@ -27,7 +27,7 @@ def specified(state: State) -> Instance | None:
     return found if isinstance(found, Instance) else None
 
 
-def specifying(instance: Instance, scope: Scope) -> Scope:
+def specifier_scope(instance: Instance, scope: Scope) -> Scope:
     """The scope, with the object whose position is meant in it."""
     return Scope("specifier", scope, bindings={SPECIFIED: instance})
 
@@ -81,7 +81,7 @@ def expression_for(value: object, seen: dict[int, Expression]) -> Expression:
             return Constant(value=unwrap(value))
 
 
-def remaining(values: Sequence[object]) -> list[Expression] | None:
+def remaining_premises(values: Sequence[object]) -> list[Expression] | None:
     """What is left to reduce of premises with these values; None if none of them waits."""
     expressions = [expression_of(v) for v in values]
     return None if all(isinstance(e, Constant) for e in expressions) else expressions

@@ -14,7 +14,7 @@ from numbers import Real
 from typing import Any, NamedTuple
 
 from ..space.fields import VectorField
-from ..space.numeric_functions import is_finite_number, number
+from ..space.numeric_functions import is_finite_number, to_floats
 from ..space.regions import PlaneShape, Region
 from ..space.symbol_seam import NotLifted, Spread, Symbol
 from ..space.vectors import Vector
@@ -29,7 +29,7 @@ from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.python_expressions import Call, Name
 from ..syntax.statements import Return
 from .config import State
-from .values import Dynamic, Function, Instance, Origin, Random, each, plain, unwrap, wrap
+from .values import Dynamic, Function, Instance, Origin, Random, each, unwrap, value_in_run, wrap
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
 POINT, ORIENTED_POINT, OBJECT = "Point", "OrientedPoint", "Object"
@@ -128,7 +128,7 @@ class Reader:
             case "vector":
                 return each(self.vector, value)
             case "heading":
-                return number(value if is_scalar(value) else each(self.heading, value))
+                return to_floats(value if is_scalar(value) else each(self.heading, value))
             case "Point" | "OrientedPoint" | "Object":
                 return View(value, self)  # type: ignore[arg-type]
             case "scalar":
@@ -147,7 +147,7 @@ class Reader:
         if isinstance(value, Instance):
             return self.property(value, "position")  # type: ignore[return-value]
         x, y = value  # type: ignore[misc]
-        return Vector(number(x), number(y))
+        return Vector(to_floats(x), to_floats(y))
 
 
 def is_scalar(value: object) -> bool:
@@ -159,12 +159,12 @@ def is_scalar(value: object) -> bool:
 
 def is_pair(value: object) -> bool:
     """Whether the value is a tuple of two scalars."""
-    inner = plain(value)
+    inner = value_in_run(value)
     if type(inner) in PLAIN:
         return False
     if isinstance(inner, Symbol):
         return inner.always(is_pair)
-    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(value_in_run(part)) for part in inner)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
 
 
 def is_a(value: object, kind: type) -> bool:
@@ -182,7 +182,7 @@ def always(predicate: Callable[[Any], bool], value: object) -> bool:
     return value.always(predicate) if isinstance(value, Symbol) else predicate(value)
 
 
-def spread(container: object) -> list[object] | None:
+def symbolic_items(container: object) -> list[object] | None:
     """What stands for the items of a container that differs from run to run, where a distribution chooses among them; None for any other."""
     return [Spread(container)] if isinstance(container, Symbol) else None
 
@@ -317,7 +317,7 @@ MOST_TOLD, LONGEST_TOLD = 1e6, 6
 
 def function_without_return(node: Node, state: State) -> str:
     """What to write in the function whose call gave None; "" where it is not one of the program that is called by its name."""
-    function = plain(state.sigma.lookup(node.function.name)) if isinstance(node, Call) and isinstance(node.function, Name) else None
+    function = value_in_run(state.sigma.lookup(node.function.name)) if isinstance(node, Call) and isinstance(node.function, Name) else None
     if not isinstance(function, Function) or not isinstance(function.body, tuple) or function.span.file != node.span.file:
         return ""
     name, line = function.name, function.span.line
@@ -417,7 +417,7 @@ INSTEAD_OF_RANDOM: Mapping[str, str] = {
 """What draws in Scenic as a function of Python's module `random` does."""
 
 
-def lacking(module: str, member: str, error: Exception, known: Iterable[str]) -> Exception:
+def missing_member_error(module: str, member: str, error: Exception, known: Iterable[str]) -> Exception:
     """The error that a module has no such member, with the nearest that it has, or what to write for those of `random`."""
     if module == "random":
         instead = f"write {INSTEAD_OF_RANDOM[member]}" if member in INSTEAD_OF_RANDOM else "draw with Range, Uniform or Normal"
@@ -443,7 +443,7 @@ def in_the_plane(value: object, state: State) -> object:
         return value
     third = value[2]
     flat = isinstance(third, (int, float)) and not isinstance(third, bool) and third == 0
-    return type(value)(value[:2]) if flat and all(is_scalar(plain(v)) for v in value[:2]) else value
+    return type(value)(value[:2]) if flat and all(is_scalar(value_in_run(v)) for v in value[:2]) else value
 
 
 def third_left_out(operand: object, what: str) -> str:

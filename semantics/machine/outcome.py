@@ -155,7 +155,7 @@ class Finish(NamedTuple):
 Outcome = Next | Draw | Observe | Done | Stuck | Fault | Act | Finish
 
 
-def dated(outcome: Outcome, version: Version) -> Outcome:
+def date_outcome(outcome: Outcome, version: Version) -> Outcome:
     """The outcome with the version that stands in memory in its configurations or its state."""
     if type(outcome) is Next:
         beyond = None if outcome.beyond is None else in_version(outcome.beyond, version)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..store.errors import NeedsPosition, RunError
 from ..store.scopes import MISSING, Scope
-from ..store.suggestions import meant
+from ..store.suggestions import undefined_name_hint
 from ..store.undo_log import changes_its_owner
 from ..syntax.dynamics import Do
 from ..syntax.expressions import ObjectDefinition
@@ -20,10 +20,10 @@ from ..syntax.python_expressions import Call, Constant, Name
 from ..syntax.statements import Assignment, Return
 from .config import Config, Stack, State, Value
 from .host_calls import HostException, Misapplied
-from .implicit_positions import remaining, specified, wait
+from .implicit_positions import remaining_premises, specified_object, wait
 from .operand_kinds import FLAT, SPATIAL
 from .outcome import Next, Outcome
-from .values import Bound, Instance, Origin, Random, Special, plain
+from .values import Bound, Instance, Origin, Random, Special, value_in_run
 
 Conclusion = Callable[..., Outcome]
 """Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
@@ -74,10 +74,10 @@ def premises(
 
 def await_position(node: Node, conclude: Conclusion, stack: Stack, state: State, values: list[object]) -> Outcome:
     """A premise waits for a position, and the rule needs its value: it is reduced where a position is meant, else an expression waits as well."""
-    rest = remaining(values)
-    if rest is not None and specified(state) is not None:
+    rest = remaining_premises(values)
+    if rest is not None and specified_object(state) is not None:
         return premises(node, rest, conclude, stack, state)
-    if rest is None or not isinstance(node, Expression) or (isinstance(node, Call) and must_be_made_now(plain(values[0]))):
+    if rest is None or not isinstance(node, Expression) or (isinstance(node, Call) and must_be_made_now(value_in_run(values[0]))):
         raise
     return Next("", Config(Value(wait(node, values, conclude, state)), stack, state), node)
 
@@ -101,7 +101,7 @@ parameter, it keeps the distribution that it was drawn from, for `resample`.
 def axiom(expression: Node, state: State) -> object:
     """The value of a constant or variable, else NOT_AN_AXIOM; a plain one where control flow may depend on it."""
     found = raw_axiom(expression, state)
-    return plain(found) if state.may_branch else found
+    return value_in_run(found) if state.may_branch else found
 
 
 def raw_axiom(expression: Node, state: State) -> object:
@@ -174,10 +174,10 @@ def unknown_variable(node: Name, state: State) -> RunError:
         known.append("ego")
     if node.name in state.params:
         hint = f"it is a global parameter: write globalParameters.{node.name}"
-    elif isinstance(owner := plain(state.sigma.lookup("self")), Instance) and node.name in owner.class_.defaults:
+    elif isinstance(owner := value_in_run(state.sigma.lookup("self")), Instance) and node.name in owner.class_.defaults:
         hint = f"it is a property: write self.{node.name}"
     else:
-        hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
+        hint = undefined_name_hint(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
     over_time = node.name in ("always", "eventually")
     message = f"`{node.name}` stands only directly behind `require`" if over_time else f"{node.name} is not defined"
     return RunError(message, node.span, rule="E-Variable", hint=hint)

@@ -56,7 +56,7 @@ def is_reached(changed: Iterable[object], roots: Iterable[object], seen: dict[in
         found = {id(one): one for one in level if id(one) not in seen}
         seen.update(found)
         budget.spend(ITEM * len(found))
-        level = [part for one in found.values() if isinstance(one, HOLDERS) or is_user_made(one) for part in parts_of(one)]
+        level = [part for one in found.values() if isinstance(one, HOLDERS) or is_user_made(one) for part in held_values(one)]
     return False
 
 
@@ -68,7 +68,7 @@ def lost_change(name: str) -> RunError:
     )
 
 
-def parts_of(value: Any) -> Iterator[object]:
+def held_values(value: Any) -> Iterator[object]:
     """Yield what a value holds directly, the dictionary of its attributes included."""
     if is_user_made(value) and not isinstance(value, type):
         yield getattr(value, "__dict__", None)

@@ -12,7 +12,7 @@ from ..space.regions import EmptyRegion, UnboundedRegion
 from ..store.errors import RunError
 from .config import Config
 from .outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Stuck, in_version
-from .stuck_runs import unmet
+from .stuck_runs import unmet_requirement
 from .value_nesting import too_deep
 
 Machine = Callable[[Config], Outcome]
@@ -64,13 +64,13 @@ def drive_machine(
             try:
                 drawn = choose(outcome)  # type: ignore[arg-type]
             except EmptyRegion as empty:
-                outcome = Stuck(outcome.rule, unmet(empty, outcome.node.span))  # type: ignore[union-attr]
+                outcome = Stuck(outcome.rule, unmet_requirement(empty, outcome.node.span))  # type: ignore[union-attr]
             except UnboundedRegion as unbounded:
                 raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
             else:
                 if witness is not None:
                     witness(outcome, drawn)
-                config = resumed(outcome, drawn)  # type: ignore[arg-type]
+                config = resume_draw(outcome, drawn)  # type: ignore[arg-type]
                 continue
         if witness is not None and not isinstance(outcome, Fault):
             witness(outcome, None)
@@ -89,7 +89,7 @@ def taken_over(config: Config) -> Config:
     return in_version(config, config.state.version.begun_anew())
 
 
-def resumed(draw: Draw, drawn: object) -> Config:
+def resume_draw(draw: Draw, drawn: object) -> Config:
     """What follows a draw that is answered. Raises the program's error for a value that contains itself."""
     try:
         return draw.resume(drawn)

@@ -62,7 +62,7 @@ class Running(NamedTuple):
     """A scenario that is running: the top-level one, whose `dynamic` is None unless it is a modular one, or one that a compose block invoked.
 
     `compose` is its compose block, None if it has none; `ran` once it has run for a time step, `over` once it has ended,
-    in the time step in which it did; `first_step` is the time step in which it began; `satisfied` are the conditions of `require eventually`
+    in the time step in which it did; `first_step` is the time step in which it began; `satisfied_eventually_lines` are the conditions of `require eventually`
     that held at some time, by their place.
     """
 
@@ -132,7 +132,7 @@ def with_simulation(state: State, **changes: object) -> State:
     return state.with_simulation(simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
 
 
-def flagged(reason: str, state: State) -> State:
+def flag_end(reason: str, state: State) -> State:
     """Remember that the scenario is to end; the first reason counts."""
     return with_simulation(state, flag=simulation_of(state).flag or reason)
 
@@ -147,14 +147,14 @@ def with_agent(state: State, agent: Agent) -> State:
     return with_simulation(state, agents={**simulation_of(state).agents, agent.instance.number: agent})
 
 
-def line_of(span: Span, file: str) -> str:
+def span_line_text(span: Span, file: str) -> str:
     """The line of a place, with the name of its file if that is another one; empty if it has none."""
     if not span.line:
         return ""
     return f"line {span.line}" if span.file == file else f"line {span.line} of {NAME.sub('', span.file)}"
 
 
-def satisfied(state: State) -> set[int]:
+def satisfied_eventually_lines(state: State) -> set[int]:
     """The lines of the `require eventually` that have held so far."""
     found: set[int] = set()
     for running in simulation_of(state).scenarios.values():

@@ -19,10 +19,10 @@ class NothingToDraw(Exception):
 Unmet = OutsideField | EmptyRegion | Absent | NothingToDraw
 UNMET = (OutsideField, EmptyRegion, Absent, NothingToDraw)
 KINDS_OF_UNMET = frozenset({"field", "region", "element", "parameters"})
-"""The kinds of requirement that `unmet` gives: a value is missing."""
+"""The kinds of requirement that `unmet_requirement` gives: a value is missing."""
 
 
-def unmet(problem: Unmet, span: Span) -> Requirement:
+def unmet_requirement(problem: Unmet, span: Span) -> Requirement:
     """The requirement that the run fails."""
     match problem:
         case OutsideField():

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ..store.budget import LARGEST_SEQUENCE, items_of, length_of, values_of
+from ..store.budget import LARGEST_SEQUENCE, container_length, items_of, values_of
 from ..store.errors import RunError
 from ..syntax.nodes import NOWHERE, Span
 from .values import CONTAINERS, Random, arguments_of, is_flat
@@ -27,7 +27,7 @@ def check_nesting(what: str, value: object, span: Span = NOWHERE) -> None:
     """Raise `RunError` at `span` if containers in `value` stand in each other more than `DEEPEST` deep, or for ever."""
     if type(value) is not Random and not isinstance(value, CONTAINERS):
         return
-    if isinstance(value, CONTAINERS) and is_flat(parts_of(value)):
+    if isinstance(value, CONTAINERS) and is_flat(contained_values(value)):
         return
     level: list[object] = [value]
     for _ in range(DEEPEST + 1):
@@ -36,7 +36,7 @@ def check_nesting(what: str, value: object, span: Span = NOWHERE) -> None:
             break
     else:
         raise RunError(f"{what} contains itself, or holds containers more than {DEEPEST} deep", span, hint="the values of a scene are written")
-    if expanded(value) > LARGEST_SEQUENCE:
+    if expanded_size(value) > LARGEST_SEQUENCE:
         raise RunError(f"{what} has more than {LARGEST_SEQUENCE:,} parts where it is written out", span, hint="the values of a scene are written")
 
 
@@ -44,11 +44,11 @@ def check_written(*values: object) -> None:
     """Refuse values that are compared, or become texts, part by part, where that would take too long (or never end). Raises `RunError`."""
     for value in values:
         value = arguments_of(value) if isinstance(value, BaseException) else value
-        if isinstance(value, CONTAINERS) and expanded(value) > LARGEST_SEQUENCE:
+        if isinstance(value, CONTAINERS) and expanded_size(value) > LARGEST_SEQUENCE:
             raise RunError(f"this value has more than {LARGEST_SEQUENCE:,} parts, where what stands in several places counts in each", hint=HINT)
 
 
-def expanded(value: object, seen: dict[int, int] | None = None) -> int:
+def expanded_size(value: object, seen: dict[int, int] | None = None) -> int:
     """How many parts a value has where it is written out, what stands in several places counted in each; what is no container is one part.
 
     It takes no longer than there are different containers in it. Raises `RecursionError` for one that contains itself.
@@ -59,12 +59,12 @@ def expanded(value: object, seen: dict[int, int] | None = None) -> int:
     seen = {} if seen is None else seen
     known = seen.get(id(inner))
     if known is None:
-        flat = is_flat(parts_of(inner))
-        known = seen[id(inner)] = 1 + (length_of(inner) if flat else sum(expanded(part, seen) for part in parts_of(inner)))
+        flat = is_flat(contained_values(inner))
+        known = seen[id(inner)] = 1 + (container_length(inner) if flat else sum(expanded_size(part, seen) for part in contained_values(inner)))
     return known
 
 
-def parts_of(container: Any) -> Iterable[Any]:
+def contained_values(container: Any) -> Iterable[Any]:
     """What a container holds: of a dictionary the values."""
     return values_of(container) if isinstance(container, dict) else items_of(container)
 
@@ -74,5 +74,5 @@ def containers_in(value: object) -> list[object]:
     inner = value.value if type(value) is Random else value
     if inner is not value and isinstance(inner, CONTAINERS):
         return [inner]
-    parts = parts_of(inner) if isinstance(inner, CONTAINERS) else ()
+    parts = contained_values(inner) if isinstance(inner, CONTAINERS) else ()
     return [part for part in parts if type(part) is Random or isinstance(part, CONTAINERS)]

@@ -19,7 +19,7 @@ from ..space.symbol_seam import Symbol
 from ..store.budget import Budget, items_of, values_of
 from ..store.errors import NeedsPosition, NotBegun, RunError
 from ..store.postponed_values import Waiting, needs_position
-from ..store.scenic_classes import ScenicClass, spoken
+from ..store.scenic_classes import ScenicClass, name_in_messages
 from ..store.scopes import Names, Scope
 from ..store.sets import FrozenSet, Set
 from ..syntax.nodes import NOWHERE, Node, Span
@@ -51,7 +51,7 @@ class Random:
     origin: Origin
 
 
-def plain(value: object) -> object:
+def value_in_run(value: object) -> object:
     """The value in this run, random or not; containers are left as they are."""
     return value.value if type(value) is Random else value
 
@@ -65,13 +65,13 @@ def unwrap(value: object) -> tuple[object, Origin | None]:
         inner, _ = unwrap(value.value)
         return inner, value.origin
     if isinstance(value, HOLDING):
-        return _unwrapped(value, {})
+        return _unwrap_container(value, {})
     if type(value) is Waiting:
         raise needs_position(value)
     return value, None
 
 
-def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+def _unwrap_container(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
     """`unwrap` of a container; what stands in several places is looked at once."""
     known = seen.get(id(value))
     if known is None:
@@ -88,7 +88,7 @@ def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) 
             return value, None
         pairs = [(_part(key, seen), _part(item, seen)) for key, item in dict.items(value)]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
-        return (value, None) if origin is None else (_refilled(value, {k[0]: v[0] for k, v in pairs}), origin)
+        return (value, None) if origin is None else (_refill_container(value, {k[0]: v[0] for k, v in pairs}), origin)
     if (isinstance(value, tuple) and kind is not tuple) or is_flat(items_of(value)):
         return value, None
     found = [_part(item, seen) for item in items_of(value)]
@@ -96,7 +96,7 @@ def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) 
     if origin is None:
         return value, None
     items = [v for v, _ in found]
-    return _refilled(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
+    return _refill_container(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
 
 
 def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
@@ -104,7 +104,7 @@ def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[
         return _part(item.value, seen)[0], item.origin
     if type(item) is Waiting:
         raise needs_position(item)
-    return _unwrapped(item, seen) if isinstance(item, HOLDING) else (item, None)
+    return _unwrap_container(item, seen) if isinstance(item, HOLDING) else (item, None)
 
 
 def arguments_of(exception: BaseException) -> tuple[object, ...]:
@@ -122,7 +122,7 @@ CONTAINERS = (list, tuple, set, frozenset, dict, deque, type({}.values()), type(
 HOLDING = (*CONTAINERS, BaseException)
 
 
-def _refilled(container: object, content: object) -> object:
+def _refill_container(container: object, content: object) -> object:
     """The content in a container of the same type; a copy, where that is a subclass of list or dict, or a deque."""
     if type(container) in (list, dict):
         return content
@@ -139,7 +139,7 @@ def wrap(value: object, origin: Origin | None) -> object:
     return Random(value, origin if origin.distribution is None else origin._replace(distribution=None))
 
 
-@spoken("instance")
+@name_in_messages("instance")
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
     """A reference to an instance of a Scenic class, made at `span`; its properties stand in the state's O, under `number`."""
@@ -159,7 +159,7 @@ class Described(NamedTuple):
     properties: Mapping[str, object]
 
 
-@spoken("function")
+@name_in_messages("function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Function:
     """A function of the program: closed over its scope, its default values evaluated when `def` ran."""
@@ -187,7 +187,7 @@ class Function:
         return f"<function {self.name}>"
 
 
-@spoken("method")
+@name_in_messages("method")
 @dataclass(frozen=True, slots=True, eq=False)
 class Method:
     """A function of the program bound to its first argument."""
@@ -204,7 +204,7 @@ class Method:
         return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]
 
 
-@spoken("distribution")
+@name_in_messages("distribution")
 @dataclass(frozen=True, slots=True, eq=False)
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
@@ -225,7 +225,7 @@ class Constructor:
         return f"<distribution {self.name}>"
 
 
-@spoken("built-in function")
+@name_in_messages("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Special:
     """A builtin that is a rule of the machine rather than a host function: `resample`, `print`, ..."""
@@ -242,7 +242,7 @@ class Special:
         return f"<built-in {self.name}>"
 
 
-@spoken("behavior or scenario")
+@name_in_messages("behavior or scenario")
 @dataclass(frozen=True, slots=True, eq=False)
 class Dynamic:
     """A behavior, monitor or scenario class as a value, or (with arguments) one ready to run."""
@@ -271,7 +271,7 @@ def shown_value(value: object) -> object:
         return value
 
 
-@spoken("module")
+@name_in_messages("module")
 @dataclass(frozen=True, slots=True, eq=False)
 class Module:
     """An imported module's namespace."""
@@ -283,7 +283,7 @@ class Module:
         return f"<module {self.name}>"
 
 
-@spoken("built-in function")
+@name_in_messages("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Native:
     """A function of the reference in place of one of Python's; one that `pays` gets the run's budget first, and is bound to it when a run begins."""
@@ -301,7 +301,7 @@ class Native:
         return f"<built-in function {self.name}>"
 
 
-@spoken("built-in function")
+@name_in_messages("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Bound:
     """A function of the reference with the budget that it pays from, and for a method with its subject."""

@@ -12,7 +12,7 @@ from ..syntax import expressions as e
 from .config import Stack, value
 from .operand_kinds import Reader, kind_name
 from .outcome import Outcome
-from .values import Instance, Module, plain
+from .values import Instance, Module, value_in_run
 
 if TYPE_CHECKING:
     from ..syntax.nodes import Node
@@ -80,7 +80,7 @@ def attribute_of_clock(name: str, node: Node, state: State) -> object:
 
 def distance_to_closest(closest: Closest, arguments: tuple[object, ...], node: Node, state: State) -> float:
     """`X.distanceToClosest(C)`: from the centre of X to that of the nearest other object of class C, in metres; infinite if there is none."""
-    class_ = plain(arguments[0]) if len(arguments) == 1 else None
+    class_ = value_in_run(arguments[0]) if len(arguments) == 1 else None
     if not isinstance(class_, ScenicClass):
         got = kind_name(class_) if len(arguments) == 1 else f"{len(arguments)} arguments"
         raise RunError(f"distanceToClosest expects a class, not {got}", node.span, rule="E-Call")

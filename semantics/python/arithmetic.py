@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..store.budget import LARGEST_INTEGER_BITS, length_of, refuse_too_long, whole
+from ..store.budget import LARGEST_INTEGER_BITS, as_whole_number, container_length, refuse_too_long
 from ..store.sets import VIEWS, Set
 from .string_methods import percent
 
@@ -18,13 +18,13 @@ REPEATED = (*SEQUENCES, deque)
 
 def _plus(left: object, right: object) -> object:
     if isinstance(left, SEQUENCES) and isinstance(right, SEQUENCES):
-        refuse_too_long(length_of(left) + length_of(right))
+        refuse_too_long(container_length(left) + container_length(right))
     return left + right  # type: ignore[operator]
 
 
 def _power(left: object, right: object) -> object:
     if isinstance(left, int) and isinstance(right, int):
-        base, exponent = whole(left), whole(right)
+        base, exponent = as_whole_number(left), as_whole_number(right)
         if abs(base) > 1 and exponent > 0 and (exponent > LARGEST_INTEGER_BITS or bits_of(base) * exponent > LARGEST_INTEGER_BITS):
             raise OverflowError(f"{base} ** {exponent} is too large" if base.bit_length() < 1000 and exponent < 10**100 else "a power is too large")
     return left**right  # type: ignore[operator]
@@ -38,8 +38,8 @@ def bits_of(number: int) -> float:
 def _times(left: object, right: object) -> object:
     for sequence, count in ((left, right), (right, left)):
         if isinstance(sequence, REPEATED) and hasattr(type(count), "__index__"):
-            times = whole(count)  # asked once, since the program may give another number the next time
-            refuse_too_long(length_of(sequence) * times)
+            times = as_whole_number(count)  # asked once, since the program may give another number the next time
+            refuse_too_long(container_length(sequence) * times)
             if not isinstance(count, int) and not hasattr(type(count), "__rmul__" if count is right else "__mul__"):
                 return times * sequence  # type: ignore[operator]
     if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + int.bit_length(right) > LARGEST_INTEGER_BITS:
@@ -48,7 +48,7 @@ def _times(left: object, right: object) -> object:
 
 
 def _shift(left: object, right: object) -> object:
-    if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + whole(right) > LARGEST_INTEGER_BITS:
+    if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + as_whole_number(right) > LARGEST_INTEGER_BITS:
         raise OverflowError("an integer is too large")
     return left << right  # type: ignore[operator]
 

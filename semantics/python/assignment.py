@@ -14,10 +14,10 @@ from ..machine.operand_kinds import is_object, is_sequence, kind_name
 from ..machine.outcome import Change, Next, Outcome
 from ..machine.premises import SHARED, axiom, describe_origin, premises
 from ..machine.sandbox_table import OVERRIDES, as_member, is_hidden, is_user_made, may_override
-from ..machine.values import Function, Instance, Method, Module, Random, plain, unwrap
+from ..machine.values import Function, Instance, Method, Module, Random, unwrap, value_in_run
 from ..space.regions import Region
 from ..space.vectors import Vector
-from ..store.budget import length_of, refuse_too_long, whole
+from ..store.budget import as_whole_number, container_length, refuse_too_long
 from ..store.built_in_classes import canonical
 from ..store.errors import RunError
 from ..store.postponed_values import Waiting, needs_position
@@ -33,7 +33,7 @@ from .expressions import as_vectors, conclude_binary, get_attribute, get_item
 from .iteration import elements
 
 
-def done(rule: str, node: Node, stack: Stack, state: State, change: Change | None = None) -> Next:
+def finish_statement(rule: str, node: Node, stack: Stack, state: State, change: Change | None = None) -> Next:
     """The statement is reduced to `pass`."""
     return Next(rule, Config(PASS, stack, state), node, change)
 
@@ -73,7 +73,7 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
     while pending:
         (target, part), *pending = pending
         if state.may_branch and not (isinstance(target, p.Name) and target.name not in SHARED):
-            part = plain(part)  # only variables keep what a value was drawn from
+            part = value_in_run(part)  # only variables keep what a value was drawn from
         if isinstance(target, p.Name):
             state = assign_name(target.name, part, target, state)
         elif isinstance(target, (p.TupleDisplay, p.ListDisplay)):
@@ -87,21 +87,21 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
 
 def assigned_to(target: Node, result: object, node: Node, stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨x = E, σ, π, O⟩ → ⟨pass, σ[x/v], π, O'⟩: the state is that with v bound to its targets."""
-    name = written(target)
-    return done("S-Assignment", node, stack, state, Change("σ", name, result) if name else None)
+    name = assigned_variables(target)
+    return finish_statement("S-Assignment", node, stack, state, Change("σ", name, result) if name else None)
 
 
-def written(target: Node) -> str:
+def assigned_variables(target: Node) -> str:
     """The variables that a target binds, as they are written; empty if there is something else in it."""
     if isinstance(target, (p.TupleDisplay, p.ListDisplay)):
-        names = [written(item) for item in target.items]
+        names = [assigned_variables(item) for item in target.items]
         return f"({', '.join(names)})" if all(names) else ""
     return target.name if isinstance(target, p.Name) else ""
 
 
 def conclude_target(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
     """The object of `a.b` or the container and index of `a[i]` are reduced."""
-    rest, *parts = [values[0], *map(plain, values[1:])] if state.may_branch else values
+    rest, *parts = [values[0], *map(value_in_run, values[1:])] if state.may_branch else values
     (target, part), pending, assigned = rest  # type: ignore[misc]
     return bind_targets(node, pending, assigned, stack, assign(target, part, parts, state))
 
@@ -114,13 +114,13 @@ def assign(target: Node, assigned: object, parts: list[object], state: State) ->
         case p.Attribute(name=name):
             return set_attribute(parts[0], name, assigned, target, state)
         case p.Subscript():
-            set_item(parts[0], place_of(target, parts[1:]), assigned, target, state)
+            set_item(parts[0], assignment_index(target, parts[1:]), assigned, target, state)
             return state
         case _:
             raise AssertionError(type(target))
 
 
-def place_of(target: p.Subscript, parts: list[object]) -> object:
+def assignment_index(target: p.Subscript, parts: list[object]) -> object:
     """The index or slice of an assignment: it may not be random."""
     places, origin = unwrap(parts)
     if origin is not None:
@@ -148,7 +148,7 @@ def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) 
     star = next((i for i, item in enumerate(items) if isinstance(item, p.Starred)), None)
     least = len(items) if star is None else len(items) - 1
     if len(found) < least or (star is None and len(found) > least):
-        which = ", those of a vector in the plane" if isinstance(plain(assigned), Vector) else ""
+        which = ", those of a vector in the plane" if isinstance(value_in_run(assigned), Vector) else ""
         problem = ValueError(f"{least} values {'or more ' if star is not None else ''}are needed to unpack into these names, not {len(found)}{which}")
         raise HostException(problem, assigned.origin if type(assigned) is Random else None)
     if star is None:
@@ -162,7 +162,7 @@ EGO_HINTS = {False: "write ego = Object ..., or a class below Object", True: "a 
 
 def assign_name(name: str, assigned: object, node: Node, state: State) -> State:
     """σ[x/v]; `ego` and `workspace` are shared by all modules; an Object keeps the name it is first assigned to."""
-    inner = plain(assigned)
+    inner = value_in_run(assigned)
     if name == "ego":
         if not (isinstance(inner, Instance) and is_object(inner)):
             hint = EGO_HINTS[isinstance(inner, tuple)]
@@ -249,7 +249,7 @@ def set_item(container: object, index: object, assigned: object, node: Node, sta
     raw(state.settings.door, state, python.setitem, container, index, assigned)
 
 
-def augmented(node: s.AugmentedAssignment, stack: Stack, state: State) -> Outcome:
+def augmented_assignment(node: s.AugmentedAssignment, stack: Stack, state: State) -> Outcome:
     """`x += E`: in place for lists, sets and dicts, as in Python."""
     return premises(node, [*target_premises(node.target)], conclude_augmented_target, stack, state)
 
@@ -276,7 +276,7 @@ def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack:
     if any(type(v) is Waiting for v in (current, operand)) and not isinstance(current, CHANGEABLE):
         binary = p.BinaryOperation(operator=node.operator, left=p.Constant(value=None), right=node.value, span=node.span)
         result = wait(binary, (current, operand), conclude_binary, state)
-    elif hasattr(type(plain(current)), f"__{operation.__name__}__"):
+    elif hasattr(type(value_in_run(current)), f"__{operation.__name__}__"):
         result = change_in_place(node, operation, current, operand, state)
     else:
         result = host(state.settings.door, state, BINARY[node.operator], *as_vectors([current, operand], state))
@@ -299,7 +299,7 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
             hint=f"make a new one: x = x {node.operator} ...",
         )
     if isinstance(current, (list, deque)) and node.operator == "*" and hasattr(type(operand), "__index__"):
-        refuse_too_long(length_of(current) * (times := whole(operand)))
+        refuse_too_long(container_length(current) * (times := as_whole_number(operand)))
         operand = operand if isinstance(operand, int) or hasattr(type(operand), "__rmul__") else times
     return raw(door, state, operation, current, operand)
 
@@ -338,7 +338,7 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
                 if type(container) is Random:
                     raise random_write(container, target)
                 note_container(state.settings.door.budget, container)
-                raw(state.settings.door, state, python.delitem, container, place_of(target, parts))
+                raw(state.settings.door, state, python.delitem, container, assignment_index(target, parts))
             case _:
                 raise AssertionError(type(target))
-    return done("S-Delete", node, stack, state)
+    return finish_statement("S-Delete", node, stack, state)

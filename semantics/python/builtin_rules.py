@@ -27,8 +27,8 @@ from ..machine.values import (
     Random,
     Special,
     each,
-    plain,
     unwrap,
+    value_in_run,
     wrap,
 )
 from ..space.regions import PolylineRegion
@@ -41,13 +41,13 @@ from ..store.undo_log import STORED
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
-from .call_costs import called
+from .call_costs import call_with_copies
 from .elementwise_builtins import ELEMENTWISE
-from .expressions import attribute_is, conclude_attribute, get_attribute, hashed, instance_text
-from .functions import returned
+from .expressions import attribute_is, conclude_attribute, get_attribute, hashed_container, instance_text
+from .functions import return_host_result
 from .iteration import elements
 from .released_members import member
-from .string_methods import written
+from .string_methods import addressless_str
 
 Arguments = tuple[object, ...]
 Keywords = Mapping[str, object]
@@ -100,7 +100,7 @@ def may_be_a_point_mass(value: object) -> bool:
 
 def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨print(E_1, ..., E_n)⟩ → None: the driving loop shows the text; the semantics itself has no output."""
-    texts = [written(unwrap(instance_text(argument, state))[0]) for argument in arguments]
+    texts = [addressless_str(unwrap(instance_text(argument, state))[0]) for argument in arguments]
     separator = keywords.get("sep", " ")
     text = (separator if isinstance(separator, str) else " ").join(texts)
     return value("E-Print", None, stack, state, node, Change("print", "", text))
@@ -108,16 +108,16 @@ def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
 
 def verbose_print(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`verbosePrint(...)` of the released implementations prints where the user asks for details, and nothing here."""
-    return returned(node, None, stack, state)
+    return return_host_result(node, None, stack, state)
 
 
 def local_path(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`localPath(P)` of the released implementations: the path P as seen from the folder of the program's file, as a text."""
-    path = plain(arguments[0]) if len(arguments) == 1 else None
+    path = value_in_run(arguments[0]) if len(arguments) == 1 else None
     if not isinstance(path, str) or keywords:
         raise HostException(TypeError("localPath() takes one argument, a path as a text"))
     folder, slash, _ = node.span.file.rpartition("/")
-    return returned(node, path if path.startswith("/") else folder + slash + path, stack, state)
+    return return_host_result(node, path if path.startswith("/") else folder + slash + path, stack, state)
 
 
 MAPS = "scenic.domains.driving.roads", "_maps"
@@ -134,15 +134,15 @@ def network_from_file(node: Node, arguments: Arguments, keywords: Keywords, stac
     other = next((name for name in keywords if name not in WITHOUT_EFFECT and name != "tolerance"), None)
     if other is not None or not arguments:
         raise HostException(TypeError(f"Network.fromFile has no {other} in this reference" if arguments else "Network.fromFile() takes a path"))
-    module, path = state.settings.library.get(MAPS[0]), plain(arguments[0])
+    module, path = state.settings.library.get(MAPS[0]), value_in_run(arguments[0])
     maps = module.get(MAPS[1]) if isinstance(module, Mapping) else None
-    tolerance = plain(keywords.get("tolerance"))
+    tolerance = value_in_run(keywords.get("tolerance"))
     key = path if tolerance is None else (path, tolerance)
     found = maps.get(key) if isinstance(maps, Mapping) and isinstance(path, str) and isinstance(tolerance, CONSTANTS) else None
     if found is None or isinstance(found, str):
         ways = "a text, localPath(a text), or globalParameters.map" + ("" if tolerance is None else ", with a tolerance that is written as a number")
         raise HostException(ValueError(found or f"Network.fromFile reads what the main program names by {ways}: maps are read before it runs"))
-    return returned(node, found, stack, state)
+    return return_host_result(node, found, stack, state)
 
 
 def network_from_pickle(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -159,9 +159,9 @@ def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
     def is_one(value: object) -> bool:
         return any(_is_instance(value, c) for c in _flat(classes))
 
-    result = each(is_one, plain(subject))
+    result = each(is_one, value_in_run(subject))
     origin = subject.origin if type(subject) is Random else of_classes
-    return returned(node, wrap(result, origin), stack, state)
+    return return_host_result(node, wrap(result, origin), stack, state)
 
 
 def _flat(classes: object) -> list[object]:
@@ -186,31 +186,31 @@ def issubclass_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
         result: object = any(c is object or (isinstance(c, ScenicClass) and subject.is_subclass_of(c)) for c in others)
     else:
         result = raw(state.settings.door, state, issubclass, subject, tuple(c for c in others if isinstance(c, type)))
-    return returned(node, wrap(result, origin), stack, state)
+    return return_host_result(node, wrap(result, origin), stack, state)
 
 
 def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`type(v)`: the class of a value."""
     if len(arguments) != 1 or keywords:
         raise RunError("type() takes one argument: classes are made with `class`", node.span, rule="E-Call-Host")
-    inner = plain(arguments[0])
+    inner = value_in_run(arguments[0])
     result = inner.class_ if isinstance(inner, Instance) else type(inner)
     if isinstance(result, type) and not is_known(result) and not state.settings.trusted:
         raise RunError(f"type() of {kind_name(inner)} is not a class of this language", node.span, rule="E-Call-Host")
     origin = arguments[0].origin if type(arguments[0]) is Random else None
-    return returned(node, wrap(result, origin), stack, state)
+    return return_host_result(node, wrap(result, origin), stack, state)
 
 
 def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`getattr(v, name[, default])`, under the same rules as `v.name`."""
-    if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
+    if len(arguments) not in (2, 3) or not isinstance(value_in_run(arguments[1]), str):
         raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
     subject, name = arguments[:2]
-    if member(subject, str(plain(name)), state) is not None:
+    if member(subject, str(value_in_run(name)), state) is not None:
         if type(name) is Random:
             raise random_branch(name, node, "which member of this value is meant")
         return conclude_attribute(p.Attribute(value=p.Constant(value=None), name=str(name), span=node.span), [subject], stack, state)
-    result, origin = _named(node, arguments, state)
+    result, origin = _attribute_or_missing(node, arguments, state)
     if result is MISSING:
         result = arguments[2]
     return attribute_is(node, result if origin is None else wrap(unwrap(result)[0], origin), stack, state)
@@ -218,21 +218,21 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
 
 def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`hasattr(v, name)`."""
-    if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
+    if len(arguments) != 2 or not isinstance(value_in_run(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
-    result, origin = _named(node, (*arguments, None), state)
-    known = result is not MISSING or member(arguments[0], str(plain(arguments[1])), state) is not None
+    result, origin = _attribute_or_missing(node, (*arguments, None), state)
+    known = result is not MISSING or member(arguments[0], str(value_in_run(arguments[1])), state) is not None
     return attribute_is(node, wrap(known, origin), stack, state)
 
 
-def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
+def _attribute_or_missing(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
     """The attribute of the first argument that the second names, MISSING if there is none and a third argument; what made the choice random."""
     subject, name = arguments[:2]
     origin = next((v.origin for v in (subject, name) if type(v) is Random), None)
-    access = p.Attribute(value=p.Constant(value=None), name=str(plain(name)), span=node.span)
+    access = p.Attribute(value=p.Constant(value=None), name=str(value_in_run(name)), span=node.span)
     try:
         with decided_by(origin, state):
-            return get_attribute(plain(subject), access, state), origin
+            return get_attribute(value_in_run(subject), access, state), origin
     except HostException as problem:
         if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
             return MISSING, origin
@@ -241,21 +241,21 @@ def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Orig
 
 def setattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`setattr(v, name, w)`, under the same rules as `v.name = w`."""
-    if len(arguments) != 3 or not isinstance(plain(arguments[1]), str):
+    if len(arguments) != 3 or not isinstance(value_in_run(arguments[1]), str):
         raise HostException(TypeError("setattr() takes a value, a name and a value"))
     if type(arguments[1]) is Random:
         raise RunError("the name of the attribute that is assigned may not be random", node.span, rule="S-Assignment")
-    return assigned_to(node, None, node, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state))
+    return assigned_to(node, None, node, stack, set_attribute(arguments[0], str(value_in_run(arguments[1])), arguments[2], node, state))
 
 
 def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`callable(v)`."""
     if len(arguments) != 1:
         raise HostException(TypeError("callable() takes one argument"))
-    inner = plain(arguments[0])
+    inner = value_in_run(arguments[0])
     result = not isinstance(inner, (Instance, ScenicClass)) and callable(inner)
     origin = arguments[0].origin if type(arguments[0]) is Random else None
-    return returned(node, wrap(result, origin), stack, state)
+    return return_host_result(node, wrap(result, origin), stack, state)
 
 
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -263,20 +263,20 @@ def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
     if keywords or len(arguments) not in (0, 2):
         raise HostException(TypeError("super() takes a class and an instance of it, or stands in a method and takes nothing"))
     if not arguments:
-        return returned(node, above_method(node, state), stack, state)
+        return return_host_result(node, above_method(node, state), stack, state)
     class_, subject = arguments
     classes = classes_of(subject, node)
     place = next((i for i, found in enumerate(classes) if found is class_), None)
     if place is None:
         raise HostException(TypeError("super(C, v) needs a class C, and an instance of it or a class below it"))
-    return returned(node, Above(subject, classes[place + 1 :]), stack, state)
+    return return_host_result(node, Above(subject, classes[place + 1 :]), stack, state)
 
 
 def classes_of(subject: object, node: Node) -> tuple[ScenicClass | type, ...]:
     """The class of a value, or of all among which a draw chose, or a class itself, and those that stand behind it, in Python's order."""
     if type(subject) is Random:
         support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
-        first, *others = [plain(v) for v, _ in support or ((None, 1),)]
+        first, *others = [value_in_run(v) for v, _ in support or ((None, 1),)]
         if not isinstance(first, Instance) or not all(isinstance(v, Instance) and v.class_ is first.class_ for v in others):
             raise random_branch(subject, node, "the value whose classes super() looks through")
         subject = first
@@ -304,10 +304,10 @@ def above_method(node: Node, state: State) -> Above:
 
 def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`str(v)` of an instance is what `print` shows."""
-    if len(arguments) == 1 and not keywords and isinstance(plain(arguments[0]), Instance):
-        return returned(node, instance_text(arguments[0], state), stack, state)
-    texts = host(state.settings.door, state, written if len(arguments) == 1 and not keywords else str, *arguments, **keywords)
-    return returned(node, texts, stack, state)
+    if len(arguments) == 1 and not keywords and isinstance(value_in_run(arguments[0]), Instance):
+        return return_host_result(node, instance_text(arguments[0], state), stack, state)
+    texts = host(state.settings.door, state, addressless_str if len(arguments) == 1 and not keywords else str, *arguments, **keywords)
+    return return_host_result(node, texts, stack, state)
 
 
 def length_of(container: Any) -> int:
@@ -317,7 +317,7 @@ def length_of(container: Any) -> int:
 
 def dictionary_of(*entries: Any, **named: object) -> object:
     """Return a dictionary whose keys are all known, or a random one."""
-    return _settled(dict(*entries, **named))
+    return _known_dictionary(dict(*entries, **named))
 
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
@@ -330,9 +330,9 @@ STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
 """Builtins that look at a container, not at its elements: these keep their randomness."""
 
 
-def _settled(entries: dict) -> object:
+def _known_dictionary(entries: dict) -> object:
     """A dictionary whose keys are all known, or a random one."""
-    return hashed(dict, list(entries.items()))
+    return hashed_container(dict, list(entries.items()))
 
 
 def structural(builtin: Callable[..., object]) -> Rule:
@@ -343,10 +343,10 @@ def structural(builtin: Callable[..., object]) -> Rule:
         options = () if builtin is dict else keywords.values()
         refuse_waiting(arguments)
         if any(type(a) is Random for a in (*arguments, *options)):
-            return returned(node, host(state.settings.door, state, function, *arguments, **keywords), stack, state)
+            return return_host_result(node, host(state.settings.door, state, function, *arguments, **keywords), stack, state)
         made = raw(state.settings.door, state, function, *arguments, **keywords)
-        state.settings.door.budget.made(plain(made))
-        return returned(node, made, stack, state)
+        state.settings.door.budget.made(value_in_run(made))
+        return return_host_result(node, made, stack, state)
 
     return rule
 
@@ -390,7 +390,7 @@ def call_container_method(
         raise random_place(name, node)
     if name in COMPARING:
         check_written(owner)
-    result = raw(state.settings.door, state, called, function, *arguments, **keywords)
+    result = raw(state.settings.door, state, call_with_copies, function, *arguments, **keywords)
     if name in STORED and name not in GIVING and type(result) is Random:  # a key function or comparison of the program met something random
         raise random_place(name, node)
     return result

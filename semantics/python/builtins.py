@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from operator import index
 
 from ..machine.operand_kinds import is_scalar
-from ..machine.values import Constructor, Entries, Pairs, plain, unwrap
+from ..machine.values import Constructor, Entries, Pairs, unwrap, value_in_run
 from ..machine.world_queries import Clock, Parameters
 from ..space import regions
 from ..space.distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
@@ -37,7 +37,7 @@ def _discrete(opts: object) -> Discrete:
 
     Example: `ego = Object with color Discrete({'red': 3, 'green': 1})`
     """
-    weights = plain(opts)
+    weights = value_in_run(opts)
     if not isinstance(weights, (Mapping, Pairs)):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
     pairs = weights.pairs if isinstance(weights, (Entries, Pairs)) else weights.items()
@@ -49,7 +49,7 @@ def _options(opts: object) -> Uniform | Discrete:
 
     Example: `ego = Object with color Options(['red', 'green'])`
     """
-    found = plain(opts)
+    found = value_in_run(opts)
     if isinstance(found, (Mapping, Pairs)):
         return _discrete(found)
     if not isinstance(found, (list, tuple)):
@@ -77,7 +77,7 @@ def _discrete_range(low: object, high: object, weights: object = None) -> Unifor
         raise BadParameters("DiscreteRange", "low, high", f"must hold between 1 and {MOST_NUMBERS:,} numbers, not {low!r} to {high!r}")
     if weights is None:
         return Uniform(tuple(numbers))
-    given = plain(weights)
+    given = value_in_run(weights)
     if not isinstance(given, (list, tuple)) or len(given) != len(numbers):
         raise BadParameters("DiscreteRange", "weights", f"must be a list of {len(numbers)} numbers")
     return Discrete(tuple(zip(numbers, (unwrap(w)[0] for w in given), strict=True)))  # pyright: ignore[reportArgumentType]: Discrete checks

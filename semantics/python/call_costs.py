@@ -15,14 +15,14 @@ from ..store.budget import (
     LARGEST_SEQUENCE,
     LARGEST_WORK,
     Budget,
+    as_whole_number,
+    container_length,
+    host_size,
     items_of,
-    length_of,
     refuse_too_large,
     refuse_too_long,
-    size_of,
-    whole,
 )
-from ..store.containers import apart
+from ..store.containers import copy_inner_lists
 from ..store.errors import FuelExhausted, RunError
 from ..store.undo_log import changes_its_owner, note_call
 from .string_methods import check_encoding
@@ -102,7 +102,7 @@ NAMING = (AttributeError, ImportError, NameError, OSError, SyntaxError)
 def check_arguments(function: object, arguments: Sequence[object], keywords: Mapping[str, object], budget: Budget) -> None:
     """Pay for what library code goes through, and refuse what it would make of a single number, a long range or a chain."""
     given = [*arguments, *keywords.values()]
-    if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in given):
+    if function is not range and any(isinstance(a, range) and host_size(a) > ITEM * LARGEST_SEQUENCE for a in given):
         raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
     owner = own_word(function, "__self__")
     budget.go_through(given if owner is None or own_word(function, "__name__", "") in QUICK else [*given, owner])
@@ -126,7 +126,7 @@ def check_construction(function: type, arguments: Sequence[Any], keywords: Mappi
     if function is bytes and first is not None and hasattr(type(first), "__index__"):
         refuse_too_long(first)
     if function is int and isinstance(first, (str, bytes)):
-        refuse_too_large(4 * length_of(first))
+        refuse_too_large(4 * container_length(first))
     if function in (str, bytes):
         for encoding in (*arguments[1:2], *(v for k, v in keywords.items() if k == "encoding")):
             check_encoding(encoding)
@@ -137,7 +137,7 @@ def check_exception(class_: type, arguments: Sequence[Any]) -> None:
     if not issubclass(class_, (UnicodeDecodeError, UnicodeEncodeError, UnicodeTranslateError)):
         return
     text, *places = (None, *arguments)[0 if issubclass(class_, UnicodeTranslateError) else 1 :][1:4] or (None,)
-    if isinstance(text, (str, bytes)) and not all(isinstance(p, int) and 0 <= whole(p) <= length_of(text) for p in places):
+    if isinstance(text, (str, bytes)) and not all(isinstance(p, int) and 0 <= as_whole_number(p) <= container_length(text) for p in places):
         raise RunError(f"the start and the end in {class_.__name__} lie within its text", rule="E-Call-Host")
 
 
@@ -171,17 +171,17 @@ def paid_call(budget: Budget, function: Callable[..., object], *arguments: objec
     if budget.versions.given is not None and changes_its_owner(function):
         raise lost_change(function.__name__)
     note_call(budget, function, arguments)
-    result = called(function, *arguments, **keywords)
+    result = call_with_copies(function, *arguments, **keywords)
     budget.spend(ITEM)
     budget.made(result)
     return result
 
 
-def called(function: Callable[..., object], *arguments: Any, **keywords: Any) -> object:
-    """`function(*arguments, **keywords)`; what orders elements gets lists among them as copies (`apart`)."""
+def call_with_copies(function: Callable[..., object], *arguments: Any, **keywords: Any) -> object:
+    """`function(*arguments, **keywords)`; what orders elements gets lists among them as copies (`copy_inner_lists`)."""
     if any(function is one for one in ORDERING) or (own_word(function, "__name__") == "sort" and isinstance(own_word(function, "__self__"), list)):
         key = keywords.get("key")
-        keywords["key"] = apart if key is None else lambda item: apart(key(item))
+        keywords["key"] = copy_inner_lists if key is None else lambda item: copy_inner_lists(key(item))
     return function(*arguments, **keywords)
 
 

@@ -12,7 +12,7 @@ from ..machine.conditions import random_branch
 from ..machine.config import Stack, State, Value, value
 from ..machine.draws import draw, of_nothing
 from ..machine.host_calls import HostException, Misapplied, host, raw
-from ..machine.implicit_positions import specified
+from ..machine.implicit_positions import specified_object
 from ..machine.operand_kinds import FLAT, always, in_the_plane, is_a, is_scalar, kind_name
 from ..machine.outcome import Next, Outcome
 from ..machine.premises import premises
@@ -30,14 +30,14 @@ from ..machine.values import (
     Origin,
     Random,
     Special,
-    plain,
     unwrap,
+    value_in_run,
     wrap,
 )
 from ..machine.world_queries import Clock, Closest, check_running, distance_to_closest
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
-from ..space.numeric_functions import number
+from ..space.numeric_functions import to_floats
 from ..space.regions import BadRegion, Region
 from ..space.vectors import TakesObjects, TakesPoints, Vector
 from ..store.errors import RunError
@@ -51,9 +51,9 @@ from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node, Span
 from .assignment import random_write
 from .builtin_rules import HOST_RULES, SPECIALS, call_container_method, container_method, random_place
-from .call_costs import as_callback, called, check_arguments
+from .call_costs import as_callback, call_with_copies, check_arguments
 from .elementwise_builtins import generator_rule
-from .functions import bind, enter, returned
+from .functions import bind, enter, return_host_result
 from .iteration import elements, elements_in_this_run
 from .library import initialise
 from .released_members import Member, OperatorFunction, as_function, call_member
@@ -73,11 +73,11 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
     for expression, argument in zip(node.arguments, rest, strict=False):
         if isinstance(expression, p.Starred) and takes_any_number(function):
             chosen = isinstance(function, Constructor) and function.keeps_values
-            spread, found = elements_in_this_run(plain(argument) if state.may_branch else argument, expression, state, chosen)
+            spread, found = elements_in_this_run(value_in_run(argument) if state.may_branch else argument, expression, state, chosen)
             arguments.extend(spread)
             origin = origin or found
         elif isinstance(expression, p.Starred):
-            arguments.extend(elements(plain(argument) if state.may_branch else argument, expression, state))
+            arguments.extend(elements(value_in_run(argument) if state.may_branch else argument, expression, state))
         else:
             arguments.append(argument)
     keywords: dict[str, object] = {}
@@ -86,7 +86,7 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
             keywords[keyword.name] = argument
             continue
         if state.may_branch:
-            argument = plain(argument)
+            argument = value_in_run(argument)
         if type(argument) is Random:
             raise random_branch(argument, node, "which arguments are given")
         if isinstance(argument, Mapping):
@@ -129,9 +129,9 @@ def as_plain(values: list[object]) -> list[object]:
     get more than plain values.
     """
     function, *rest = values
-    function = plain(function)
+    function = value_in_run(function)
     passed_on = isinstance(function, (Function, Method, Dynamic)) or (isinstance(function, Special) and function.name == "resample")
-    return [function, *(rest if passed_on else map(plain, rest))]
+    return [function, *(rest if passed_on else map(value_in_run, rest))]
 
 
 def apply(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
@@ -156,7 +156,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
                 rule="E-ObjectDefinition", hint=f"write {function.name} at ..., or {function.name} alone",
             )
         case Dynamic():
-            if specified(state) is not None:
+            if specified_object(state) is not None:
                 refuse_waiting((*arguments, *keywords.values()))
             return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
         case Clock():
@@ -192,28 +192,28 @@ def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mappin
 
 def call_host(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """Call library code with plain values; the result is random if anything that went in was."""
-    if not always(callable, plain(function)):
+    if not always(callable, value_in_run(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     arguments = tuple(as_function(argument, state) for argument in arguments)
     if function is Vector and len(arguments) == 3:
         arguments = in_the_plane(arguments, state)  # type: ignore[assignment]
     keywords = {name: as_function(argument, state) for name, argument in keywords.items()}
-    check_call(plain(function), arguments, keywords, state)
-    note_call(state.settings.door.budget, plain(function), arguments)
+    check_call(value_in_run(function), arguments, keywords, state)
+    note_call(state.settings.door.budget, value_in_run(function), arguments)
     if "key" in keywords and type(keywords["key"]) is not Random:
         keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
     if isinstance(function, Bound) and function.function is initialise and function.subject:
-        return returned(node, initialise_above(node, function, arguments, keywords, state), stack, state)
-    if container_method(plain(function)):
+        return return_host_result(node, initialise_above(node, function, arguments, keywords, state), stack, state)
+    if container_method(value_in_run(function)):
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
         if type(function) is not Random:
-            return returned(node, call_container_method(node, function, arguments, keywords, state), stack, state)  # type: ignore[arg-type]
+            return return_host_result(node, call_container_method(node, function, arguments, keywords, state), stack, state)  # type: ignore[arg-type]
     function = on_plain_elements(function)
-    if isinstance(own_word(plain(function), "__self__"), TakesObjects):
-        arguments = tuple(described(a, state) for a in arguments)
-        keywords = {k: described(v, state) for k, v in keywords.items()}
-    elif always(is_geometric, plain(function)):
+    if isinstance(own_word(value_in_run(function), "__self__"), TakesObjects):
+        arguments = tuple(describe_instance(a, state) for a in arguments)
+        keywords = {k: describe_instance(v, state) for k, v in keywords.items()}
+    elif always(is_geometric, value_in_run(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
 
@@ -221,16 +221,16 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
-            hint = swapped(function, arguments) or split(function, arguments)
+            hint = swapped_arguments_hint(function, arguments) or split_vector_hint(function, arguments)
             place = node.arguments[0].span if hint and isinstance(node, p.Call) and node.arguments else node.span
             raise RunError(str(problem.exception), place, rule="E-Call-Host", hint=hint) from None
-        class_ = plain(function)
+        class_ = value_in_run(function)
         if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
             raise misapplied_class(class_, keywords, problem) from None
         if class_ is range and any(type(argument) is Random for argument in arguments):
             problem.exception.add_note("how often a loop runs may not be random; a whole number is drawn by DiscreteRange(low, high)")
         raise
-    return returned(node, result, stack, state)
+    return return_host_result(node, result, stack, state)
 
 
 def initialise_above(node: Node, function: Bound, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
@@ -252,7 +252,7 @@ def initialise_above(node: Node, function: Bound, arguments: tuple[object, ...],
 
 def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:
     """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
-    inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
+    inner, named = list(map(value_in_run, arguments)), {name: value_in_run(a) for name, a in keywords.items()}
     check_arguments(function, inner, named, state.settings.door.budget)
     if any(function is comparing for comparing in COMPARING):
         check_written(*inner, *named.values())
@@ -266,17 +266,17 @@ COMPARING = (sorted, min, max)
 """Functions that compare what they go through."""
 
 
-def swapped(function: object, arguments: tuple[object, ...]) -> str:
+def swapped_arguments_hint(function: object, arguments: tuple[object, ...]) -> str:
     """How a region is called whose first argument, a vector, seems to stand behind a number."""
-    class_, first = plain(function), [plain(a) for a in arguments[:2]]
+    class_, first = value_in_run(function), [value_in_run(a) for a in arguments[:2]]
     if isinstance(class_, type) and issubclass(class_, Region) and len(first) > 1 and is_scalar(first[0]) and not is_scalar(first[1]):
         return f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})"
     return ""
 
 
-def split(function: object, arguments: tuple[object, ...]) -> str:
+def split_vector_hint(function: object, arguments: tuple[object, ...]) -> str:
     """How a region is called whose first argument, a vector, seems to be given as two numbers."""
-    class_, values = plain(function), [plain(a) for a in arguments]
+    class_, values = value_in_run(function), [value_in_run(a) for a in arguments]
     if not (isinstance(class_, type) and issubclass(class_, Region)) or len(values) < 2 or not all(map(is_scalar, values)):
         return ""
     parameters = inspect.signature(class_).parameters.values()
@@ -312,12 +312,12 @@ def vector(x: float, y: float, *more: float) -> Vector:
     """Vector(x, y): its coordinates are floats, as those of any vector of the language."""
     if more:
         raise TypeError(f"a Vector has two coordinates; one of {2 + len(more)} {FLAT if len(more) == 1 else 'is none'}")
-    return Vector(number(x), number(y))
+    return Vector(to_floats(x), to_floats(y))
 
 
 def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:
     """The operation of a call of library code."""
-    return called(function, *arguments, **keywords)
+    return call_with_copies(function, *arguments, **keywords)
 
 
 def on_plain_elements(function: object) -> object:
@@ -354,9 +354,9 @@ def as_positions(argument: object, state: State) -> object:
             return argument
 
 
-def described(argument: object, state: State) -> object:
+def describe_instance(argument: object, state: State) -> object:
     """An object as what it is now."""
-    if not isinstance(plain(argument), Instance):
+    if not isinstance(value_in_run(argument), Instance):
         return argument
     instance, origin = unwrap(argument)
     properties = {name: unwrap(v)[0] for name, v in state.objects[instance.number].items()}  # type: ignore[attr-defined]

@@ -11,14 +11,14 @@ from ..machine.operand_kinds import kind_name
 from ..machine.outcome import Change, Next, Outcome
 from ..machine.premises import premises
 from ..machine.sandbox_table import MARK, OVERRIDES, as_member, is_base, is_hidden, may_override
-from ..machine.values import plain
+from ..machine.values import value_in_run
 from ..store.built_in_classes import OBJECT_CLASS, canonical, defaults_of
 from ..store.errors import CheckError, RunError, ScenicError
 from ..store.scenic_classes import ScenicClass
 from ..store.scopes import NO_NAMES, Scope, target_names
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
-from .assignment import done
+from .assignment import finish_statement
 from .control_flow import block
 
 # Classes
@@ -39,7 +39,7 @@ def class_definition(node: s.ClassDefinition, stack: Stack, state: State) -> Out
 
 def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: Stack, state: State) -> Outcome:
     """Below Scenic classes it is a Scenic class, below Python classes a Python class."""
-    superclasses = [plain(v) for v in values] or [OBJECT_CLASS]
+    superclasses = [value_in_run(v) for v in values] or [OBJECT_CLASS]
     scope = Scope("class", state.sigma, NO_NAMES)
     inner = state._replace(sigma=scope)
     if isinstance(superclasses[0], ScenicClass):
@@ -70,7 +70,7 @@ def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: Sta
     is_scenic = isinstance(above[0], ScenicClass)
     made = make_scenic_class(node, above, members, frame.outer, state.settings.readings) if is_scenic else make_python_class(node, above, members)  # type: ignore[arg-type]
     frame.outer.bind(node.name, made)
-    return done("S-Class", node, stack, outer, Change("σ", node.name, made))
+    return finish_statement("S-Class", node, stack, outer, Change("σ", node.name, made))
 
 
 def unwind_class_body(frame: ClassBody, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

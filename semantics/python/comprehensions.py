@@ -14,7 +14,7 @@ from ..syntax import python_expressions as p
 from .assignment import bind_target
 from .expressions import container
 from .functions import InScope
-from .generators import EXHAUSTED, GO_ON, Generator, give, in_order, made, pull, taken, walk_of_for
+from .generators import EXHAUSTED, GO_ON, Generator, begin_generator, give, pull, take_element, unlink_elements, walk_of_for
 
 
 class Comprehending(NamedTuple):
@@ -78,7 +78,7 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
 
 def generator(frame: Comprehending, scope: Scope, stack: Stack, state: State) -> Outcome:
     """If ⟨I⟩ → v then ⟨(E for x in I if B), σ⟩ → a generator g; asked for the next one, g gives the value of E for the next x of v for which B."""
-    return value("E-Generator", made(frame, scope, state), stack, state, frame.node)
+    return value("E-Generator", begin_generator(frame, scope, state), stack, state, frame.node)
 
 
 def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
@@ -90,14 +90,14 @@ def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
         *outer, source = frame.sources
         if type(source) is Generator:
             return pull(source, (frame._replace(phase=("next", 0, 0)), stack), state)
-        element, source = taken(source, state)
+        element, source = take_element(source, state)
         if element is not EXHAUSTED:
             return turn(frame._replace(sources=(*outer, source)), element, stack, state)
         frame = frame._replace(sources=tuple(outer))
     if frame.node.kind == "generator":
         return give(None, EXHAUSTED, stack, state)
     kinds = {"list": list, "set": Set, "dict": dict}
-    return value("E-Comprehension", container(kinds[frame.node.kind], in_order(frame.found), state), stack, state, frame.node)
+    return value("E-Comprehension", container(kinds[frame.node.kind], unlink_elements(frame.found), state), stack, state, frame.node)
 
 
 def turn(frame: Comprehending, element: object, stack: Stack, state: State) -> Outcome:

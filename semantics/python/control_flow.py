@@ -10,13 +10,13 @@ from ..machine.host_calls import HostException, host
 from ..machine.operand_kinds import kind_name
 from ..machine.outcome import Next, Outcome
 from ..machine.premises import premises
-from ..machine.values import Random, plain, unwrap
+from ..machine.values import Random, unwrap, value_in_run
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
-from .assignment import bind_target, done
+from .assignment import bind_target, finish_statement
 from .functions import make_function
-from .generators import EXHAUSTED, Generator, pull, taken, walk_of_for
+from .generators import EXHAUSTED, Generator, pull, take_element, walk_of_for
 
 
 class Rest(NamedTuple):
@@ -115,7 +115,7 @@ def next_turn(node: s.For, source: object, stack: Stack, state: State) -> Outcom
     """The next element, where it takes no more than to look for it."""
     if type(source) is Generator:
         return pull(source, (Turning(node, source), stack), state)
-    element, source = taken(source, state)
+    element, source = take_element(source, state)
     return turn(node, element, source, stack, state)
 
 
@@ -185,7 +185,7 @@ def conclude_function(node: s.FunctionDefinition, values: list[object], stack: S
     decorators = values[len(node.parameters) :]
     if not decorators:
         state.sigma.bind(node.name, function)
-        return done("S-Def", node, stack, state)
+        return finish_statement("S-Def", node, stack, state)
     call: Node = p.Constant(value=function)
     for decorator in reversed(decorators):
         call = p.Call(function=p.Constant(value=decorator), arguments=(call,), span=node.span)  # type: ignore[arg-type]
@@ -317,7 +317,7 @@ def resume_afterwards(frame: Afterwards, result: object, stack: Stack, state: St
     return Next("", Config(frame.control, stack, state))
 
 
-def raised(problem: HostException, place: Span, stack: Stack, state: State) -> Outcome:
+def raise_host_exception(problem: HostException, place: Span, stack: Stack, state: State) -> Outcome:
     """If an operation of Python raises the exception v then ⟨E⟩ → ⟨raise v⟩: blocks are left with v, and the program may catch it."""
     return Next("E-Raise", Config(Abrupt("raise", problem.exception, place, problem.origin), stack, state))
 
@@ -329,7 +329,7 @@ def raise_statement(node: s.Raise, stack: Stack, state: State) -> Outcome:
 
 def conclude_raise(node: s.Raise, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E⟩ → v then ⟨raise E; s⟩ → ⟨raise v⟩, which leaves blocks; a class is instantiated, a bare `raise` repeats the one being handled."""
-    exception, cause = (plain(v) for v in values)
+    exception, cause = (value_in_run(v) for v in values)
     if node.exception is None:
         if not state.handling:
             raise HostException(RuntimeError("no exception is being handled"))
@@ -351,6 +351,6 @@ def assert_statement(node: s.Assert, stack: Stack, state: State) -> Outcome:
 def conclude_assert(node: s.Assert, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨B⟩ → True then ⟨assert B, M⟩ → ⟨pass⟩, else AssertionError; this is no requirement, and B may not be random."""
     if truth(values[0], node.test, state, "the condition of this `assert`"):
-        return done("S-Assert", node, stack, state)
-    exception = AssertionError(*([] if node.message is None else [plain(values[1])]))
+        return finish_statement("S-Assert", node, stack, state)
+    exception = AssertionError(*([] if node.message is None else [value_in_run(values[1])]))
     return Next("S-Assert", Config(Abrupt("raise", exception, node.span, unwrap(values)[1]), stack, state), node)

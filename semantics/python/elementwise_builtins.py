@@ -14,17 +14,17 @@ from ..machine.config import Config, Stack, State, value
 from ..machine.host_calls import HostException, host, raw
 from ..machine.operand_kinds import cases, is_vector, kind_name, of_cases
 from ..machine.outcome import Next, Outcome
-from ..machine.values import Bound, Native, Origin, Random, plain, unwrap, wrap
+from ..machine.values import Bound, Native, Origin, Random, unwrap, value_in_run, wrap
 from ..space.numeric_functions import is_needed
-from ..store.budget import Metered, whole
+from ..store.budget import Metered, as_whole_number
 from ..store.errors import FuelExhausted, RunError
 from ..store.generators import EXHAUSTED, Generator
 from ..store.scopes import Scope
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .call_costs import as_callback
-from .functions import InScope, returned
-from .generators import GO_ON, give, in_order, made, pull, taken, walk
+from .functions import InScope, return_host_result
+from .generators import GO_ON, begin_generator, give, pull, take_element, unlink_elements, walk
 from .iteration import elements, elements_in_this_run, known_elements
 from .library import BUILTIN, ITERTOOLS, LISTING
 from .released_members import as_function
@@ -50,7 +50,7 @@ def next_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack
         raise HostException(TypeError("next() takes an iterator and a default"))
     frame = Asking(node, tuple(default))
     if type(iterator) is Metered:
-        return resume_asking(frame, taken(iterator, state)[0], stack, state)
+        return resume_asking(frame, take_element(iterator, state)[0], stack, state)
     return pull(iterator, (frame, stack), state)  # type: ignore[arg-type]
 
 
@@ -66,7 +66,7 @@ def resume_asking(frame: Asking, result: object, stack: Stack, state: State) -> 
 def iter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`iter(xs)` of a list, whose elements stay what they are."""
     items: Any = arguments[0]
-    return returned(node, state.settings.door.budget.metered(items), stack, state)
+    return return_host_result(node, state.settings.door.budget.metered(items), stack, state)
 
 
 class Quantifying(NamedTuple):
@@ -78,7 +78,7 @@ class Quantifying(NamedTuple):
     found: tuple = ()
 
 
-def quantified(function: Callable[..., bool]) -> Callable[..., Outcome]:
+def quantifier_rule(function: Callable[..., bool]) -> Callable[..., Outcome]:
     """The rule of `any(g)` or `all(g)`, g a generator: no further than an element that decides."""
 
     def rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -97,7 +97,7 @@ def resume_quantifying(frame: Quantifying, result: object, stack: Stack, state: 
         frame = frame._replace(found=(result, frame.found))
         if type(result) is Random or host(door, state, bool, result) is not (function is any):
             return pull(frame.generator, (frame, stack), state)
-    return returned(frame.node, host(door, state, function, in_order(frame.found)), stack, state)
+    return return_host_result(frame.node, host(door, state, function, unlink_elements(frame.found)), stack, state)
 
 
 # islice
@@ -113,7 +113,7 @@ class Slicing(NamedTuple):
 
 def islice_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`islice(g, stop)` or `islice(g, start, stop, step)` of a generator."""
-    generator, *limits = map(plain, arguments)
+    generator, *limits = map(value_in_run, arguments)
     if keywords or not 1 <= len(limits) <= 3:
         raise HostException(TypeError("islice() takes an iterable and one to three numbers"))
     if not all(limit is None or (isinstance(limit, int) and limit >= 0) for limit in limits):
@@ -122,7 +122,7 @@ def islice_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
     if chosen.step == 0:
         raise HostException(ValueError("islice() takes a step of at least 1"))
     wanted = range(chosen.start or 0, ENDLESS if chosen.stop is None else chosen.stop, chosen.step or 1)
-    return returned(node, made(Slicing(generator, wanted), state.sigma, state), stack, state)  # type: ignore[arg-type]
+    return return_host_result(node, begin_generator(Slicing(generator, wanted), state.sigma, state), stack, state)  # type: ignore[arg-type]
 
 
 ENDLESS = 2**62
@@ -158,7 +158,7 @@ def zip_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     if any(name != "strict" for name in keywords):
         raise HostException(TypeError("zip() takes iterables and strict"))
     sources = tuple(walk(i, node, state) for i in arguments)
-    return paired(Pairing(node, sources, bool(plain(keywords.get("strict", False)))), stack, state)
+    return pair_rows(Pairing(node, sources, bool(value_in_run(keywords.get("strict", False)))), stack, state)
 
 
 def enumerate_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -167,15 +167,15 @@ def enumerate_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: 
         raise HostException(TypeError("enumerate() takes an iterable and start"))
     iterable, *start = (*arguments, *keywords.values())
     try:
-        numbers = state.settings.door.budget.metered(count(whole(plain(start[0])) if start else 0))
+        numbers = state.settings.door.budget.metered(count(as_whole_number(value_in_run(start[0])) if start else 0))
     except TypeError:
         raise HostException(TypeError(f"enumerate() starts at a whole number, not {kind_name(start[0])}")) from None
-    return paired(Pairing(node, (numbers, walk(iterable, node, state))), stack, state)
+    return pair_rows(Pairing(node, (numbers, walk(iterable, node, state))), stack, state)
 
 
-def paired(frame: Pairing, stack: Stack, state: State) -> Outcome:
+def pair_rows(frame: Pairing, stack: Stack, state: State) -> Outcome:
     """The generator of rows."""
-    return returned(frame.node, made(frame, state.sigma, state), stack, state)
+    return return_host_result(frame.node, begin_generator(frame, state.sigma, state), stack, state)
 
 
 def advance_pairing(frame: Pairing, stack: Stack, state: State) -> Outcome:
@@ -185,8 +185,8 @@ def advance_pairing(frame: Pairing, stack: Stack, state: State) -> Outcome:
         source = frame.sources[position]
         if type(source) is Generator:
             return pull(source, (frame, stack), state)
-        element, source = taken(source, state)
-        following = joined(frame._replace(sources=(*frame.sources[:position], source, *frame.sources[position + 1 :])), element)
+        element, source = take_element(source, state)
+        following = extend_row(frame._replace(sources=(*frame.sources[:position], source, *frame.sources[position + 1 :])), element)
         if following is None:
             return give(None, EXHAUSTED, stack, state)
         frame = following
@@ -197,11 +197,11 @@ def advance_pairing(frame: Pairing, stack: Stack, state: State) -> Outcome:
 
 def resume_pairing(frame: Pairing, result: object, stack: Stack, state: State) -> Outcome:
     """A row is asked for; or a source that is a generator gave an element, or ended."""
-    following = frame if result is GO_ON else joined(frame, result)
+    following = frame if result is GO_ON else extend_row(frame, result)
     return give(None, EXHAUSTED, stack, state) if following is None else advance_pairing(following, stack, state)
 
 
-def joined(frame: Pairing, element: object) -> Pairing | None:
+def extend_row(frame: Pairing, element: object) -> Pairing | None:
     """The row with one more element; None where the rows end."""
     position = len(frame.found)
     if element is EXHAUSTED and not frame.strict:
@@ -224,7 +224,7 @@ def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     function, *iterables = arguments
     if len(iterables) == 1:
         return comprehend(node, function, iterables[0], p.Call(function=_F, arguments=(_X,), span=node.span), "generator", stack, state)
-    rows = made(Pairing(node, tuple(walk(i, node, state) for i in iterables)), state.sigma, state)
+    rows = begin_generator(Pairing(node, tuple(walk(i, node, state) for i in iterables)), state.sigma, state)
     element = p.Call(function=_F, arguments=(p.Starred(value=_X),), span=node.span)
     return comprehend(node, function, rows, element, "generator", stack, state)
 
@@ -243,7 +243,7 @@ def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
         if (possible := cases(among.value)) is not None:
             return select_next(SelectingInCases(node, function, among, tuple(possible), state.address), stack, state)
         try:
-            return returned(node, filtered(function, among, state), stack, state)
+            return return_host_result(node, filter_random_container(function, among, state), stack, state)
         except RunError as refused:
             if lengths_differ or refused.rule != "E-Call-Host" or isinstance(refused, FuelExhausted):
                 raise
@@ -301,13 +301,13 @@ def resume_selecting_in_cases(frame: SelectingInCases, result: object, stack: St
     return select_next(frame._replace(found=(*frame.found, result)), stack, state)
 
 
-def filtered(function: object, among: object, state: State) -> object:
+def filter_random_container(function: object, among: object, state: State) -> object:
     """The elements of a random container of which a function holds, which is called with the values that they have in this run."""
     door = state.settings.door
-    return host(door, state, selected, as_callback(as_function(function, state), door.budget), among)
+    return host(door, state, select_items, as_callback(as_function(function, state), door.budget), among)
 
 
-def selected(function: Callable[[object], object] | None, items: Iterable[object]) -> list[object]:
+def select_items(function: Callable[[object], object] | None, items: Iterable[object]) -> list[object]:
     """The items of which the function holds, or which are true."""
     return [item for item in items if (item if function is None else function(item))]
 
@@ -324,7 +324,7 @@ def comprehend(
     scope = Scope("comprehension", state.sigma, bindings={"<function>": function, "<elements>": iterable})
     clause = p.ComprehensionClause(target=_X, iterable=_XS)
     body = p.Comprehension(kind=kind, element=element, clauses=(clause,), span=node.span)
-    return returned(node, body, (InScope(state.sigma), stack), state._replace(sigma=scope))
+    return return_host_result(node, body, (InScope(state.sigma), stack), state._replace(sigma=scope))
 
 
 def reversed_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -339,7 +339,7 @@ def unless_random(name: str, rule: Rule) -> tuple[Native, Rule]:
 
     def either(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
         if any(type(a) is Random and known_elements(a, state) is None for a in (*arguments, *keywords.values())):
-            return returned(node, host(state.settings.door, state, LISTING[name], *arguments, **keywords), stack, state)
+            return return_host_result(node, host(state.settings.door, state, LISTING[name], *arguments, **keywords), stack, state)
         return rule(node, arguments, keywords, stack, state)
 
     return LISTING[name], either
@@ -352,7 +352,7 @@ ELEMENTWISE: Mapping[Callable[..., object], Rule] = {
 """The rules of Python's lazy builtins."""
 
 GENERATOR_RULES: Mapping[object, Rule] = {
-    BUILTIN["next"]: next_rule, any: quantified(any), all: quantified(all), ITERTOOLS["islice"].function: islice_rule,  # type: ignore[attr-defined]
+    BUILTIN["next"]: next_rule, any: quantifier_rule(any), all: quantifier_rule(all), ITERTOOLS["islice"].function: islice_rule,  # type: ignore[attr-defined]
 }  # fmt: skip
 """Functions that go through a generator no further than they must; one that pays by what it is bound to."""
 

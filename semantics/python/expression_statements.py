@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..machine.config import PASS, Config, Stack, State, reduce
 from ..machine.operand_kinds import kind_name
 from ..machine.outcome import Next, Outcome
-from ..machine.values import Dynamic, Module, plain
+from ..machine.values import Dynamic, Module, value_in_run
 from ..space.fields import VectorField
 from ..space.regions import Region
 from ..store.errors import RunError
@@ -34,10 +34,10 @@ def expression_statement(node: s.ExpressionStatement, stack: Stack, state: State
 
 def resume_discard(frame: Discard, result: object, stack: Stack, state: State) -> Outcome:
     """The statement is reduced to `pass`. Raises `RunError` where it only makes a behavior, monitor, scenario or action, which does nothing."""
-    made, node = plain(result), frame.node
-    if isinstance(made, Dynamic) and isinstance(plain(named(node.value, state)), Dynamic):
+    made, node = value_in_run(result), frame.node
+    if isinstance(made, Dynamic) and isinstance(value_in_run(lookup_named_value(node.value, state)), Dynamic):
         raise RunError(f"{kind_name(made)} alone does nothing", node.span, rule="D-Do", hint=RUN_BY[type(made.definition)])
-    if is_dataclass(made) and not isinstance(made, (Region, VectorField)) and named(node.value, state) is type(made):
+    if is_dataclass(made) and not isinstance(made, (Region, VectorField)) and lookup_named_value(node.value, state) is type(made):
         raise RunError(f"the action {made!r} alone does nothing", node.span, rule="D-Take", hint="write `take` before it")
     return Next("", Config(PASS, stack, state))
 
@@ -49,15 +49,15 @@ RUN_BY: Mapping[type, str] = {
 }
 
 
-def named(expression: Node, state: State) -> object:
+def lookup_named_value(expression: Node, state: State) -> object:
     """What the expression names, or what it calls where that is named; MISSING if it is something else, or not bound."""
     match expression:
         case e.ObjectOrValue(value=inner) | p.Call(function=inner):
-            return named(inner, state)
+            return lookup_named_value(inner, state)
         case p.Name(name=name):
             return state.sigma.lookup(name)
         case p.Attribute(value=inner, name=name):
-            owner = plain(named(inner, state))
+            owner = value_in_run(lookup_named_value(inner, state))
             return owner.scope.bindings.get(name, MISSING) if isinstance(owner, Module) else MISSING
         case _:
             return MISSING

@@ -18,7 +18,7 @@ from ..machine.config import Stack, State, value
 from ..machine.draws import draw
 from ..machine.host_calls import HostException, decided_by, host, raw
 from ..machine.implicit_positions import wait
-from ..machine.operand_kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
+from ..machine.operand_kinds import Reader, has_kind, is_a, is_pair, kind_name, missing_member_error, no_attribute
 from ..machine.outcome import Outcome
 from ..machine.premises import premises, raw_axiom
 from ..machine.sandbox_table import is_given, is_record, is_user_made, may_ask, names_in
@@ -34,8 +34,8 @@ from ..machine.values import (
     Random,
     Special,
     each,
-    plain,
     unwrap,
+    value_in_run,
     with_random_keys,
     wrap,
 )
@@ -60,8 +60,8 @@ from .call_costs import check_key, check_keys
 from .iteration import elements
 from .library import ascii_of, attribute_of, bound, method_of
 from .released_members import Member, member, own_name, rewritten
-from .string_methods import formatted as format_value
-from .string_methods import represented, stable_repr, written
+from .string_methods import addressless_format as format_value
+from .string_methods import addressless_repr, addressless_str, stable_repr
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
@@ -93,7 +93,7 @@ def attribute_above(above: Above, name: str, state: State) -> object:
             return raw(state.settings.door, state, of_subject, vars(class_)[name], subject)
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
         if name in members:
-            inner = plain(subject)
+            inner = value_in_run(subject)
             own = inner.class_ if isinstance(inner, Instance) else inner if is_class else type(inner)
             return member_of(members[name], None if is_class else subject, own, state)
         if isinstance(class_, type) and is_user_made(subject) and not is_class and not is_user_made(class_) and may_ask(class_, name):
@@ -126,9 +126,9 @@ def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outc
 
 def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
     """Uniform on the interval if both ends are scalars, otherwise a pair."""
-    if all(has_kind(plain(v), "scalar") for v in values):
+    if all(has_kind(value_in_run(v), "scalar") for v in values):
         return draw(node, RANGE, tuple(values), {}, stack, state)
-    return displayed(tuple, values, node, stack, state)
+    return display_items(tuple, values, node, stack, state)
 
 
 RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")
@@ -156,10 +156,10 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
         else:
             items.append(item)
     kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: Set}[type(node)]
-    return displayed(kind, items, node, stack, state)
+    return display_items(kind, items, node, stack, state)
 
 
-def displayed(kind: Callable[[list], object], items: list, node: Node, stack: Stack, state: State) -> Outcome:
+def display_items(kind: Callable[[list], object], items: list, node: Node, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨(E_1, ..., E_n)⟩ → (v_1, ..., v_n), and likewise for lists, sets and dictionaries."""
     return value("E-Display", container(kind, items, state), stack, state, node)
 
@@ -169,10 +169,10 @@ def container(kind: Callable[[list], object], items: list, state: State) -> obje
     if kind is not Set and kind is not dict:
         return kind(items)
     with decided_by(unwrap(items if kind is Set else [key for key, _ in items])[1], state):
-        return raw(state.settings.door, state, hashed, kind, items)
+        return raw(state.settings.door, state, hashed_container, kind, items)
 
 
-def hashed(kind: Callable[[list], object], items: list) -> object:
+def hashed_container(kind: Callable[[list], object], items: list) -> object:
     """A set or a dictionary of the items, random as a whole if members or keys are. Raises `TypeError` for unhashable ones."""
     plain_keys, origin = unwrap(items if kind is Set else [key for key, _ in items])
     check_keys(plain_keys)  # type: ignore[arg-type]
@@ -196,15 +196,15 @@ def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state
         if key_expression is not None:
             entries.append((key, item))
             continue
-        mapping = plain(item)
+        mapping = value_in_run(item)
         if not isinstance(mapping, Mapping):
             raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
         origin = item.origin if type(item) is Random else None
         entries += [(wrap(k, origin), wrap(v, origin)) for k, v in mapping.items()]
-    return displayed(dict, entries, node, stack, state)
+    return display_items(dict, entries, node, stack, state)
 
 
-def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
+def f_string_rule(node: p.FString, stack: Stack, state: State) -> Outcome:
     """The values of an f-string come first."""
     expressions: list[Node | None] = []
     for part in node.parts:
@@ -215,7 +215,7 @@ def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
 
 def conclude_formatted(node: p.FString, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨f"...{E_i}..."⟩ → the text with each v_i formatted in its place."""
-    conversions = {"": lambda v: v, "r": represented, "s": written, "a": ascii_of}
+    conversions = {"": lambda v: v, "r": addressless_repr, "s": addressless_str, "a": ascii_of}
 
     def join(*parts: object) -> str:
         rest = iter(parts)
@@ -229,7 +229,7 @@ def conclude_formatted(node: p.FString, values: list[object], stack: Stack, stat
 
 def instance_text(argument: object, state: State) -> object:
     """An instance as `print`, `str` and f-strings show it, with its class and position; other values as they are."""
-    inner = plain(argument)
+    inner = value_in_run(argument)
     if not isinstance(inner, Instance):
         return argument
     position, origin = unwrap(state.objects[inner.number].get("position"))
@@ -278,7 +278,7 @@ def shared_method(subject: Random, name: str, state: State) -> Method | None:
     support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
     if support is None or not isinstance(subject.value, Instance) or canonical(name, state.settings.readings) in state.objects[subject.value.number]:
         return None
-    found = {plain(v).class_.method(name) if isinstance(plain(v), Instance) else None for v, _ in support}  # type: ignore[attr-defined]
+    found = {value_in_run(v).class_.method(name) if isinstance(value_in_run(v), Instance) else None for v, _ in support}  # type: ignore[attr-defined]
     method = found.pop() if len(found) == 1 else None
     return Method(method, subject, method.door) if isinstance(method, Function) else None
 
@@ -309,7 +309,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             result = subject.scope.bindings.get(name, MISSING)
             if result is MISSING:
                 known = [n for n in subject.scope.bindings if not n.startswith("_")]
-                raise HostException(lacking(subject.name, name, AttributeError(f"module {subject.name} has no {name} in this reference"), known))
+                raise HostException(missing_member_error(subject.name, name, AttributeError(f"module {subject.name} has no {name} in this reference"), known))
             return result
         case ScenicClass():
             found = subject.method(name)
@@ -335,11 +335,11 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return get_host_attribute(subject, name, node, state)
 
 
-def arrived(value: object, state: State) -> object:
+def resolve_waiting(value: object, state: State) -> object:
     """What waited for a scenario that has begun since, or what is still missing (reading `names-not-begun=waits`); other values as they are."""
     if type(value) is not Waiting or value.missing is None:
         return value
-    return get_attribute(plain(arrived(value.values[0], state)), value.node, state)  # type: ignore[arg-type]
+    return get_attribute(value_in_run(resolve_waiting(value.values[0], state)), value.node, state)  # type: ignore[arg-type]
 
 
 def get_host_attribute(subject: object, name: str, node: p.Attribute, state: State) -> object:
@@ -388,9 +388,9 @@ def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
 
 def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E⟩ → c and ⟨I⟩ → i then ⟨E[I]⟩ → c[i]: the element keeps its own randomness; a random index or container makes it random."""
-    if len(values) == 2 and is_a(plain(values[0]), VectorField):
+    if len(values) == 2 and is_a(value_in_run(values[0]), VectorField):
         return rewritten(node, lambda f, v: e.FieldAt(field=f, vector=v), (values[0], values[1]), stack, state)
-    if len(values) == 2 and is_a(plain(values[0]), PolylineRegion):
+    if len(values) == 2 and is_a(value_in_run(values[0]), PolylineRegion):
         points = p.Attribute(value=p.Constant(value=values[0]), name="points")
         return rewritten(node, lambda i: p.Subscript(value=points, index=i), (values[1],), stack, state)
     return value("E-Subscript", get_item(node, values, state), stack, state, node)
@@ -419,7 +419,7 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
         if isinstance(problem.exception, TypeError) and isinstance(container, CALLED):
             raise HostException(in_square_brackets(node), problem.origin, node.span) from None
         if isinstance(problem.exception, IndexError) and isinstance(container, SEQUENCES):
-            problem.exception.add_note(numbered(len(container)))
+            problem.exception.add_note(describe_index_range(len(container)))
         raise
     return result if origin is None else wrap(unwrap(result)[0], origin)
 
@@ -457,7 +457,7 @@ LONGEST = 40
 SEQUENCES = (list, tuple, str)
 
 
-def numbered(length: int) -> str:
+def describe_index_range(length: int) -> str:
     """Which elements a sequence of that length has."""
     if length < 2:
         return "its only element has the number 0" if length else "it is empty"
@@ -496,7 +496,7 @@ def arithmetic(node: Node, operation: Callable[..., object], operands: list[obje
     """If ⟨E1⟩ → v1 and ⟨E2⟩ → v2 then ⟨E1 ⊕ E2⟩ → v1 ⊕ v2, and ⟨⊖E⟩ → ⊖v likewise, as in Python."""
     if isinstance(node, p.BinaryOperation) and puts_together(node.operator, operands):  # what it holds stays as random as it is
         result = raw(state.settings.door, state, operation, *operands)
-        state.settings.door.budget.made(plain(result))
+        state.settings.door.budget.made(value_in_run(result))
         return value("E-Arithmetic", result, stack, state, node)
     return apply_host("E-Arithmetic", node, operation, operands, stack, state)
 
@@ -532,10 +532,10 @@ def unary(node: p.UnaryOperation, stack: Stack, state: State) -> Outcome:
 def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
     """Python's unary operators."""
     operation = UNARY[node.operator]
-    return negated(node, operation, values, stack, state) if node.operator == "not" else arithmetic(node, operation, values, stack, state)
+    return conclude_not(node, operation, values, stack, state) if node.operator == "not" else arithmetic(node, operation, values, stack, state)
 
 
-def negated(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
+def conclude_not(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨B⟩ → b then ⟨not B⟩ → ¬b."""
     if is_counted(operands[0]):
         return value("E-Not", not operands[0], stack, state, node)
@@ -549,7 +549,7 @@ def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:
 
 def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E⟩ → v then ⟨E seconds⟩ → v: a duration in seconds is a scalar."""
-    if not has_kind(plain(values[0]), "scalar"):
+    if not has_kind(value_in_run(values[0]), "scalar"):
         raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
     return value("E-Seconds", values[0], stack, state, node)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..machine.config import Abrupt, Config, Stack, State, Value, value
 from ..machine.host_calls import Misapplied
-from ..machine.implicit_positions import SPECIFIED, specified
+from ..machine.implicit_positions import SPECIFIED, specified_object
 from ..machine.outcome import Next, Outcome
 from ..machine.premises import premises
 from ..machine.values import Function
@@ -64,11 +64,11 @@ def bind(
     star = next((q for q in parameters if q.kind == "*args"), None)
     if len(arguments) > len(positional) and star is None:
         text = f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"
-        raise misapplied(text, parameters, len(positional))
+        raise misapplied_error(text, parameters, len(positional))
     for parameter, argument in zip(positional, arguments, strict=False):
         bound[parameter.name] = argument
         if parameter.kind == "positional" and parameter.name in rest:
-            raise misapplied(f"{name}() got two values for {parameter.name}", parameters, parameter.name)
+            raise misapplied_error(f"{name}() got two values for {parameter.name}", parameters, parameter.name)
     if star is not None and star.name:
         bound[star.name] = tuple(arguments[len(positional) :])
     for parameter in parameters:
@@ -79,17 +79,17 @@ def bind(
         elif parameter.name in defaults:
             bound[parameter.name] = defaults[parameter.name]
         else:
-            raise misapplied(f"{name}() needs a value for {parameter.name}", parameters)
+            raise misapplied_error(f"{name}() needs a value for {parameter.name}", parameters)
     extra = next((q for q in parameters if q.kind == "**kwargs"), None)
     if extra is not None:
         bound[extra.name] = rest
     elif rest:
         given = next(iter(rest))
-        raise misapplied(f"{name}() has no parameter {given}", parameters, given)
+        raise misapplied_error(f"{name}() has no parameter {given}", parameters, given)
     return bound
 
 
-def misapplied(
+def misapplied_error(
     text: str, parameters: tuple[p.Parameter, ...], argument: str | int | None = None
 ) -> Misapplied:
     """The TypeError of a call whose arguments do not fit, with a note that tells the parameters."""
@@ -110,7 +110,7 @@ def enter(
         hint = f"{function.name} is defined on line {function.span.line}: does it call itself without end?"
         raise RunError(text, function.span if node is None else node.span, rule="E-Call", hint=hint)
     bindings = bind(function.name, function.parameters, function.defaults, arguments, keywords)
-    instance = specified(state)
+    instance = specified_object(state)
     if instance is not None:
         bindings[SPECIFIED] = instance
     scope = Scope("function", function.scope, function.names, bindings)
@@ -155,7 +155,7 @@ def unwind_in_scope(frame: InScope, abrupt: Abrupt, stack: Stack, state: State) 
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
 
 
-def returned(node: Node, result: object, stack: Stack, state: State) -> Outcome:
+def return_host_result(node: Node, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n)⟩ → f(v_1, ..., v_n) for a function f of the library, random if a v_i is.
 
     ⟨map(f, I)⟩ → ⟨(f(x) for x in I)⟩ and ⟨filter(f, I)⟩ → the list of those x of I for which ⟨f(x)⟩ → True.

@@ -58,7 +58,7 @@ def walk_of_for(iterable: object, node: Node, state: State) -> object:
     return walk(iterable, node, state)
 
 
-def taken(source: object, state: State) -> tuple[object, object]:
+def take_element(source: object, state: State) -> tuple[object, object]:
     """The next element of a source that is no generator, EXHAUSTED behind the last one; and the source after it."""
     if type(source) is Walk:
         items, position, container = source
@@ -76,7 +76,7 @@ def taken(source: object, state: State) -> tuple[object, object]:
 # Generators
 
 
-def made(frame: NamedTuple, scope: Scope, state: State) -> Generator:
+def begin_generator(frame: NamedTuple, scope: Scope, state: State) -> Generator:
     """A generator whose body begins in the frame and the scope."""
     return Generator(frame, scope, state.settings.door.budget, state.settings.door.calls)
 
@@ -140,11 +140,11 @@ def resume_expanding(frame: Expanding, result: object, stack: Stack, state: Stat
         if frame.many == LARGEST_SEQUENCE:
             raise RunError(f"a generator has more than {LARGEST_SEQUENCE:,} elements", rule="E-Next")
         return pull(frame.generator, (frame._replace(found=(result, frame.found), many=frame.many + 1), stack), state)
-    frame.generator.change(ahead=in_order(frame.found), place=0)
+    frame.generator.change(ahead=unlink_elements(frame.found), place=0)
     return Next("", Config(frame.control, stack, state))  # type: ignore[arg-type]
 
 
-def in_order(found: tuple) -> list[object]:
+def unlink_elements(found: tuple) -> list[object]:
     """The elements of a chain (last, (..., (first, ()))), first to last."""
     items: list[object] = []
     while found:

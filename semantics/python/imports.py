@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from ..machine.config import Abrupt, Config, Stack, State
 from ..machine.host_calls import HostException
-from ..machine.operand_kinds import REGION, has_kind, is_object, kind_name, lacking
+from ..machine.operand_kinds import REGION, has_kind, is_object, kind_name, missing_member_error
 from ..machine.outcome import Next, Outcome
-from ..machine.values import Instance, Module, plain
+from ..machine.values import Instance, Module, value_in_run
 from ..store.errors import ImportRefused, RunError
 from ..store.scopes import MISSING, Scope
 from ..syntax import Program
@@ -28,7 +28,7 @@ from .library import bound
 # Keys
 
 
-def beside(name: str, level: int, package: str) -> str:
+def sibling_module_key(name: str, level: int, package: str) -> str:
     """The key of a name with `level` dots before it, in a module of the package: that package, or one above it for each further dot."""
     rest = package.lstrip(".")
     dots, parts = len(package) - len(rest), rest.split(".") if rest else []
@@ -68,8 +68,8 @@ def path_of(key: str) -> str:
 def key_of(name: str, level: int, package: str, library: Mapping[str, object]) -> str:
     """The key of a module as it is written in a module of the package: without dots before it, one beside the program comes first."""
     if level:
-        return beside(name, level, package)
-    return name if name in library else beside(name, 1, ".")
+        return sibling_module_key(name, level, package)
+    return name if name in library else sibling_module_key(name, 1, ".")
 
 
 # Statements
@@ -89,7 +89,7 @@ def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
     keys = [key_here(one.name, 0, state) for one in node.names]
     for one, key in zip(node.names, keys, strict=True):
         if key not in state.modules:
-            return load(key, one.name, node, stack, state)
+            return load_imported_module(key, one.name, node, stack, state)
     for one, key in zip(node.names, keys, strict=True):
         module = state.modules[key]
         if one.alias is not None:
@@ -97,10 +97,10 @@ def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
             state = assign_name(one.alias, module, node, state)
         else:
             bind_dotted(one.name, module, state)
-    return imported(node, stack, state)
+    return enter_import(node, stack, state)
 
 
-def imported(node: Node, stack: Stack, state: State, statements: Block = ()) -> Outcome:
+def enter_import(node: Node, stack: Stack, state: State, statements: Block = ()) -> Outcome:
     """⟨import m, σ⟩ → ⟨pass, σ[m / the module]⟩ and ⟨from m import x, σ⟩ → ⟨pass, σ[x / m.x]⟩; the first time, m's statements come before."""
     return block(statements, stack, state, "S-Import", node)
 
@@ -133,7 +133,7 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
     name = "." * node.level + node.module
     key = key_here(node.module, node.level, state)
     if key not in state.modules:
-        return load(key, name, node, stack, state)
+        return load_imported_module(key, name, node, stack, state)
     module = state.modules[key]
     names = {n.name: n.alias or n.name for n in node.names} or {n: n for n in public_names(module, node)}
     for member, alias in names.items():
@@ -141,32 +141,32 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
         found = module.scope.bindings.get(member, MISSING)
         if found is MISSING and submodule in state.settings.library:
             if submodule not in state.modules:
-                return load(submodule, submodule, node, stack, state)
+                return load_imported_module(submodule, submodule, node, stack, state)
             found = state.modules[submodule]
         if member == alias == "ego" and not node.names:
             continue  # `*` replaces no ego
         if found is MISSING and member == "ego" and state.ego is not None:
             continue  # the module has none of its own: all share the scene's
         if found is MISSING:
-            raise unknown(member, name, module, next((n.span for n in node.names if n.name == member), None))
+            raise unknown_import_error(member, name, module, next((n.span for n in node.names if n.name == member), None))
         check_workspace(alias, found, next((n.span for n in node.names if n.name == member), node.span))
         if alias == "ego" and not is_the_scenes(found) and (state.sigma.kind != "module" or in_module(stack)):
             state.sigma.bind(alias, found)  # a variable of the function, or of the module
         else:
             state = assign_name(alias, found, node, state)
-    return imported(node, stack, state)
+    return enter_import(node, stack, state)
 
 
 def check_workspace(name: str, found: object, span: Span) -> None:
     """Refuse to import as the workspace what is no region. Raises `RunError`."""
-    if name == "workspace" and not has_kind(plain(found), REGION):
+    if name == "workspace" and not has_kind(value_in_run(found), REGION):
         hint = "give it another name, and write workspace = Workspace(region)"
         raise RunError(f"workspace must be a region, not {kind_name(found)}", span, rule="S-Import", hint=hint)
 
 
 def is_the_scenes(found: object) -> bool:
     """Return whether a value is an Object, which can be the ego."""
-    inner = plain(found)
+    inner = value_in_run(found)
     return isinstance(inner, Instance) and is_object(inner)
 
 
@@ -199,16 +199,16 @@ def members(module: Module) -> list[str]:
     return [n for n in module.scope.bindings if not n.startswith("_")]
 
 
-def unknown(member: str, name: str, module: Module, span: Span | None) -> HostException:
+def unknown_import_error(member: str, name: str, module: Module, span: Span | None) -> HostException:
     """The exception of a name that a module has not, with the nearest one that it has."""
-    error = lacking(name, member, ImportError(f"the module {name} has no {member} in this reference"), members(module))
+    error = missing_member_error(name, member, ImportError(f"the module {name} has no {member} in this reference"), members(module))
     return HostException(error, span=span)
 
 
 # Loading
 
 
-def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome:
+def load_imported_module(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome:
     """Run a Scenic module, once per run, or take a Python one; then try the import again.
 
     One that does not exist is an `ImportError`, as in Python. One that this machine refuses ends the program: that is not the program's to catch.
@@ -221,7 +221,7 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
         scope = Scope("module", builtins, bindings=own, package=package_of(key))
         module = Module(name.lstrip("."), scope)
         begun = state._replace(sigma=scope, modules={**state.modules, key: module})
-        return imported(node, (ModuleBody(key, state.sigma, node, state.ego), stack), begun, found.statements)
+        return enter_import(node, (ModuleBody(key, state.sigma, node, state.ego), stack), begun, found.statements)
     if found is MISSING or isinstance(found, ModuleNotFoundError):
         raise absent(name, found)
     if isinstance(found, Exception):
@@ -273,7 +273,7 @@ def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: S
 
 def with_ego(ego: object, other: object, state: State) -> State:
     """The state with this ego again; the other one's name in the scene is not `ego` any more."""
-    names = {number: name for number, name in state.names.items() if number != plain(other).number}  # type: ignore[attr-defined]
+    names = {number: name for number, name in state.names.items() if number != value_in_run(other).number}  # type: ignore[attr-defined]
     return state._replace(ego=ego, names=names)
 
 

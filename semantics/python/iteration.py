@@ -12,8 +12,8 @@ from typing import Any
 from ..machine.conditions import random_branch
 from ..machine.config import State
 from ..machine.host_calls import HostException, host, raw
-from ..machine.operand_kinds import is_vector, spread
-from ..machine.values import Origin, Random, plain, wrap
+from ..machine.operand_kinds import is_vector, symbolic_items
+from ..machine.values import Origin, Random, value_in_run, wrap
 from ..space.vectors import Vector
 from ..store.budget import LARGEST_SEQUENCE
 from ..store.errors import RunError
@@ -40,7 +40,7 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
         if type(iterable) is int and 0 <= iterable <= LARGEST_SEQUENCE:
             problem.exception.add_note(f"write range({iterable})")
         raise
-    state.settings.door.budget.made(plain(result))
+    state.settings.door.budget.made(value_in_run(result))
     if type(result) is Random:  # an iterator of the program gave something random
         raise random_branch(result, node, "what its iterator gives")
     return result  # type: ignore[return-value]
@@ -81,5 +81,5 @@ def elements_in_this_run(iterable: object, node: Node, state: State, chosen: boo
     """
     if type(iterable) is not Random or known_elements(iterable, state):
         return elements(iterable, node, state), None
-    found = (spread(iterable.value) if chosen else None) or elements(iterable.value, node, state)
+    found = (symbolic_items(iterable.value) if chosen else None) or elements(iterable.value, node, state)
     return [wrap(v, iterable.origin) for v in found], iterable.origin

@@ -19,7 +19,7 @@ from typing import Any
 from ..machine.sandbox_table import BUILTINS, MARK, OURS_OF_MATH, is_user_made, own_word
 from ..machine.values import Bound, Hint, Native
 from ..space.regions import PolygonalRegion, PolylineRegion
-from ..store.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from ..store.budget import ITEM, Budget, Metered, as_whole_number, container_length, host_size, refuse_too_large, refuse_too_long
 from ..store.containers import Counter, OrderedDict, deque
 from ..store.generators import Generator
 from ..store.sets import FrozenSet, Set
@@ -27,7 +27,7 @@ from ..store.undo_log import note_attribute, note_container
 from .arithmetic import BINARY
 from .call_costs import as_callback, check_exception, with_callbacks
 from .string_methods import METHODS as OF_TEXTS
-from .string_methods import decode, formatted, represented
+from .string_methods import addressless_format, addressless_repr, decode
 
 
 def native(function: Callable[..., object], name: str = "") -> Native:
@@ -78,7 +78,7 @@ def power(base: object, exponent: object, modulus: object = None) -> object:
     if modulus is None:
         return BINARY["**"](base, exponent)
     if isinstance(base, int) and isinstance(exponent, int) and isinstance(modulus, int):
-        base, exponent, modulus = whole(base), whole(exponent), whole(modulus)
+        base, exponent, modulus = as_whole_number(base), as_whole_number(exponent), as_whole_number(modulus)
         refuse_too_large(base.bit_length() / 16)
         refuse_too_large(exponent.bit_length() * 16)
         refuse_too_large(modulus.bit_length() * 16)
@@ -88,13 +88,13 @@ def power(base: object, exponent: object, modulus: object = None) -> object:
 def rounded(number: Any, digits: Any = None) -> object:
     """`round(number, digits)`."""
     if isinstance(digits, int) and isinstance(number, int):
-        refuse_too_large(abs(whole(digits)) * 4)
+        refuse_too_large(abs(as_whole_number(digits)) * 4)
     return python.round(number) if digits is None else python.round(number, digits)
 
 
 def ascii_of(value: object) -> str:
     """`ascii(value)`."""
-    return represented(value).encode("ascii", "backslashreplace").decode("ascii")
+    return addressless_repr(value).encode("ascii", "backslashreplace").decode("ascii")
 
 
 def hash_of(value: object) -> int:
@@ -112,7 +112,7 @@ def hash_of(value: object) -> int:
         case _ if is_user_made(value) and any("__hash__" in c.__dict__ for c in type(value).__mro__ if MARK in c.__dict__):
             return python.hash(value)
         case _:
-            raise TypeError(f"the hash of {represented(value)} depends on its address: compare it, or hash its parts")
+            raise TypeError(f"the hash of {addressless_repr(value)} depends on its address: compare it, or hash its parts")
 
 
 def listing(make: Callable[..., Iterable[object]]) -> Native:
@@ -140,8 +140,8 @@ BUILTIN: Mapping[str, object] = {
     "next": native(following, "next"),
     "pow": native(power, "pow"),
     "round": native(rounded, "round"),
-    "repr": native(represented, "repr"), "ascii": native(ascii_of, "ascii"),
-    "format": native(formatted, "format"),
+    "repr": native(addressless_repr, "repr"), "ascii": native(ascii_of, "ascii"),
+    "format": native(addressless_format, "format"),
     "hash": native(hash_of, "hash"),
 }
 """Python's builtins, by name; those that are rules of the machine stand in `specials`."""
@@ -152,7 +152,7 @@ BUILTIN: Mapping[str, object] = {
 
 def factorial(n: int) -> int:
     """`math.factorial(n)`."""
-    n = whole(n)
+    n = as_whole_number(n)
     if n > 1:
         refuse_too_large(n * math.log2(n))
     return math.factorial(n)
@@ -160,7 +160,7 @@ def factorial(n: int) -> int:
 
 def comb(n: int, k: int) -> int:
     """`math.comb(n, k)`."""
-    n, k = whole(n), whole(k)
+    n, k = as_whole_number(n), as_whole_number(k)
     if 0 < k < n:
         refuse_too_large(min(k, n - k) * n.bit_length())
     return math.comb(n, k)
@@ -168,7 +168,7 @@ def comb(n: int, k: int) -> int:
 
 def perm(n: int, k: int | None = None) -> int:
     """`math.perm(n, k)`."""
-    n, k = whole(n), None if k is None else whole(k)
+    n, k = as_whole_number(n), None if k is None else as_whole_number(k)
     if n > 1:
         refuse_too_large((n if k is None else min(max(k, 0), n)) * n.bit_length())
     return math.perm(n, k)
@@ -184,7 +184,7 @@ def product_of(items: Iterable[Any], *, start: Any = 1) -> Any:
 
 def least_common_multiple(*numbers: int) -> int:
     """`math.lcm(*numbers)`."""
-    refuse_too_large(python.sum(whole(n).bit_length() for n in numbers))
+    refuse_too_large(python.sum(as_whole_number(n).bit_length() for n in numbers))
     return math.lcm(*numbers)
 
 
@@ -227,7 +227,7 @@ def in_full(argument: Any) -> Any:
 
 def check_product(*pools: Any, repeat: int = 1) -> None:
     """Refuse more pools than fit into memory."""
-    refuse_too_long(whole(repeat) * python.sum(max(1, length_of(pool)) for pool in pools))
+    refuse_too_long(as_whole_number(repeat) * python.sum(max(1, container_length(pool)) for pool in pools))
 
 
 def check_size(items: object, r: Any = None) -> None:
@@ -237,7 +237,7 @@ def check_size(items: object, r: Any = None) -> None:
 
 def tee(budget: Budget, items: Iterable[object], n: int = 2) -> tuple[Metered, ...]:
     """`itertools.tee(items, n)`."""
-    refuse_too_long(n := whole(n))
+    refuse_too_long(n := as_whole_number(n))
     return tuple(budget.metered(copy) for copy in itertools.tee(in_full(items), n))
 
 
@@ -307,14 +307,14 @@ def elements(budget: Budget, counter: Counter) -> Metered:
 def index_in(budget: Budget, items: Any, value: Any, *limits: int) -> int:
     """`items.index(value)`."""
     if isinstance(items, range) and not isinstance(value, int):
-        refuse_too_long(size_of(items) // ITEM)
+        refuse_too_long(host_size(items) // ITEM)
     return items.index(value, *limits)
 
 
 def count_in(budget: Budget, items: Any, value: Any) -> int:
     """`items.count(value)`."""
     if isinstance(items, range) and not isinstance(value, int):
-        refuse_too_long(size_of(items) // ITEM)
+        refuse_too_long(host_size(items) // ITEM)
     return items.count(value)
 
 

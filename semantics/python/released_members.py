@@ -39,18 +39,18 @@ from ..machine.values import (
     Method,
     Native,
     Special,
-    plain,
+    value_in_run,
 )
 from ..space import geometry, regions
 from ..space.boundaries import METRES
 from ..space.distributions import PointIn
 from ..space.fields import OutsideField, VectorField
-from ..space.numeric_functions import lifted
+from ..space.numeric_functions import lift_method
 from ..space.regions import Region
 from ..space.vectors import Vector
 from ..store.built_in_classes import ORIENTED_POINT_CLASS, canonical
 from ..store.errors import RunError
-from ..store.scenic_classes import spoken
+from ..store.scenic_classes import name_in_messages
 from ..store.sets import FrozenSet, Set
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -69,7 +69,7 @@ def pair(x: Expression, y: Expression) -> Expression:
     return e.VectorOf(x=x, y=y)
 
 
-def number(x: float) -> Expression:
+def number_constant(x: float) -> Expression:
     """A number."""
     return p.Constant(value=x)
 
@@ -85,7 +85,7 @@ def boxes_meet(o: Expression, other: Expression) -> Expression:
     return p.Call(function=p.Attribute(value=box(o), name="intersects"), arguments=(box(other),))
 
 
-def within(point: Expression, region: Expression) -> Expression:
+def membership_test(point: Expression, region: Expression) -> Expression:
     """`point in region`."""
     return p.Comparison(left=point, operators=("in",), operands=(region,))
 
@@ -95,7 +95,7 @@ def length(v: Expression) -> Expression:
     return e.Distance(origin=ZERO, target=v)
 
 
-def turned(v: Expression, angle: Expression) -> Expression:
+def rotated_vector(v: Expression, angle: Expression) -> Expression:
     """The vector, rotated anticlockwise."""
     return e.OffsetAlong(base=ZERO, direction=angle, offset=v)
 
@@ -105,7 +105,7 @@ def direction(v: Expression) -> Expression:
     return e.Angle(origin=ZERO, target=v)
 
 
-def wrapped(angle: Expression) -> Expression:
+def normalised_angle(angle: Expression) -> Expression:
     """The angle in (-π, π] that is the same up to full turns."""
     return p.Call(function=p.Constant(value=NORMALISED), arguments=(angle,))
 
@@ -128,7 +128,7 @@ def side(name: e.Side) -> Rewrite:
 
 def half(name: str) -> Rewrite:
     """Half of a size of an object."""
-    return lambda o: p.BinaryOperation(operator="/", left=p.Attribute(value=o, name=name), right=number(2))
+    return lambda o: p.BinaryOperation(operator="/", left=p.Attribute(value=o, name=name), right=number_constant(2))
 
 
 SIDES: Mapping[str, Rewrite] = {
@@ -147,7 +147,7 @@ NOT_GIVEN = p.Constant(value=None)
 
 def can_see(o: Expression, other: Expression, occludingObjects: Expression = NOT_GIVEN, debug: Expression = NOT_GIVEN) -> Expression:
     """`o can see other`. Raises `HostException` if there are objects that would hide it; `debug`, of Scenic 3, draws a picture."""
-    hiding = plain(occludingObjects.value) if isinstance(occludingObjects, p.Constant) else occludingObjects
+    hiding = value_in_run(occludingObjects.value) if isinstance(occludingObjects, p.Constant) else occludingObjects
     if not (hiding is None or (isinstance(hiding, (tuple, list, Set, FrozenSet)) and not hiding)):
         error = TypeError("occludingObjects= must be empty: no object hides another one in this reference")
         error.add_note("leave it out, or write occludingObjects=()")
@@ -169,7 +169,7 @@ OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
     "relativePosition": lambda o, vec: p.Attribute(value=e.RelativeTo(left=vec, right=o), name="position"),
 }
 OF_OBJECTS: Mapping[str, Rewrite] = {
-    **OF_ORIENTED_POINTS, "containsPoint": lambda o, point: within(point, box(o)), "intersects": boxes_meet,
+    **OF_ORIENTED_POINTS, "containsPoint": lambda o, point: membership_test(point, box(o)), "intersects": boxes_meet,
 }  # fmt: skip
 
 
@@ -180,7 +180,7 @@ def to_box(o: Expression, point: Expression) -> Expression:
 
 def to_position_or_box(v: Expression, other: Expression) -> Expression:
     """The distance between a position and the bounding box of an object, or another position."""
-    inner = plain(other.value) if isinstance(other, p.Constant) else None
+    inner = value_in_run(other.value) if isinstance(other, p.Constant) else None
     return to_box(other, v) if isinstance(inner, Instance) and is_object(inner) else e.Distance(origin=v, target=other)
 
 
@@ -188,17 +188,17 @@ OF_VECTORS: Mapping[str, Rewrite] = {
     "distanceTo": lambda v, other: e.Distance(origin=v, target=other),
     "angleTo": lambda v, other: e.Angle(origin=v, target=other),
     "azimuthTo": lambda v, other: e.Angle(origin=v, target=other),
-    "angleWith": lambda v, other: wrapped(p.BinaryOperation(operator="-", left=direction(other), right=direction(v))),
+    "angleWith": lambda v, other: normalised_angle(p.BinaryOperation(operator="-", left=direction(other), right=direction(v))),
     "toVector": lambda v: v,
     "norm": length,
     "dot": lambda v, other: p.BinaryOperation(operator="+", left=product(v, other, "x"), right=product(v, other, "y")),
     "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
-    "rotatedBy": turned,
+    "rotatedBy": rotated_vector,
     "offsetRotated": lambda v, angleOrOrientation, offset: e.OffsetAlong(base=v, direction=angleOrOrientation, offset=offset),
     "offsetLocally": lambda v, orientation, offset: e.OffsetAlong(base=v, direction=orientation, offset=offset),
-    "offsetRadially": lambda v, radius, heading: e.OffsetAlong(base=v, direction=heading, offset=pair(number(0), radius)),
+    "offsetRadially": lambda v, radius, heading: e.OffsetAlong(base=v, direction=heading, offset=pair(number_constant(0), radius)),
 }
-def computed(function: Callable[..., object]) -> Rewrite:
+def library_rewrite(function: Callable[..., object]) -> Rewrite:
     """A function of the value, by the library."""
     native = Native(function.__name__, function)
     return lambda o: p.Call(function=p.Constant(value=native), arguments=(o,))
@@ -256,7 +256,7 @@ def end_of(line: regions.PolylineRegion) -> Vector:
     return line.lines[-1][-1]
 
 
-def oriented(point: Callable[[regions.PolylineRegion], Vector]) -> Rewrite:
+def oriented_point_rewrite(point: Callable[[regions.PolylineRegion], Vector]) -> Rewrite:
     """A point of a polyline, oriented along it: `OrientedPoint at (the point), facing (the heading of the line there)`."""
 
     def heading_there(line: regions.PolylineRegion) -> float:
@@ -264,14 +264,14 @@ def oriented(point: Callable[[regions.PolylineRegion], Vector]) -> Rewrite:
 
     return lambda r: e.ObjectDefinition(
         class_=p.Constant(value=ORIENTED_POINT_CLASS),
-        specifiers=(q.AtSpecifier(vector=computed(point)(r)), q.FacingSpecifier(direction=computed(heading_there)(r))),
+        specifiers=(q.AtSpecifier(vector=library_rewrite(point)(r)), q.FacingSpecifier(direction=library_rewrite(heading_there)(r))),
     )
 
 
 def field_of_regions(regions: list[Region], tolerance: float = 0.0) -> VectorField:
     """A field with the orientation of the first of some regions that has the point, or of the nearest one within `tolerance` metres."""
 
-    @lifted(float)
+    @lift_method(float)
     def heading(v: Vector) -> float:
         near = next((r for r in regions if r.contains_point(v)), None) or min(regions, key=lambda r: r.distance_to(v), default=None)
         if near is None or near.orientation is None or near.distance_to(v) > max(tolerance, METRES):
@@ -313,17 +313,17 @@ def follow_from(f: Expression, pos: Expression, dist: Expression, steps: Express
 
 OF_FIELDS: Mapping[str, Rewrite] = {"followFrom": follow_from, "valueAt": lambda f, pos: e.FieldAt(field=f, vector=pos)}
 OF_POLYLINES: Mapping[str, Rewrite] = {
-    "length": computed(length_of_line),
-    "start": oriented(start_of),
-    "points": computed(points_of),
-    "end": oriented(end_of),
+    "length": library_rewrite(length_of_line),
+    "start": oriented_point_rewrite(start_of),
+    "points": library_rewrite(points_of),
+    "end": oriented_point_rewrite(end_of),
 }
-OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": computed(boundary_of), "area": computed(area_of)}
-OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of), "polygon": computed(polygon_of_rectangle)}
+OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": library_rewrite(boundary_of), "area": library_rewrite(area_of)}
+OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": library_rewrite(corners_of), "polygon": library_rewrite(polygon_of_rectangle)}
 OF_REGIONS: Mapping[str, Rewrite] = {
-    "getAABB": computed(bounding_box),
+    "getAABB": library_rewrite(bounding_box),
     "distanceTo": lambda r, point: e.Distance(origin=point, target=r),
-    "containsObject": lambda r, obj: within(obj, r),
+    "containsObject": lambda r, obj: membership_test(obj, r),
 }
 SPATIAL: Mapping[type, tuple[Mapping[str, Rewrite], Mapping[str, Rewrite]]] = {
     VectorField: ({}, OF_FIELDS),
@@ -335,14 +335,14 @@ SPATIAL: Mapping[type, tuple[Mapping[str, Rewrite], Mapping[str, Rewrite]]] = {
 """The attributes and methods of what is in space, by the first class that a value is of."""
 
 
-def given(argument: Expression) -> Expression | None:
+def given_or_none(argument: Expression) -> Expression | None:
     """An argument that may be left out, or be None."""
     return None if isinstance(argument, p.Constant) and argument.value is None else argument
 
 
 def angle_between(X: Expression = NOT_GIVEN, Y: Expression = NOT_GIVEN) -> Expression:
     """`angle [from X] [to Y]`."""
-    return e.Angle(origin=given(X), target=given(Y))
+    return e.Angle(origin=given_or_none(X), target=given_or_none(Y))
 
 
 def side_function(words: e.Side) -> Rewrite:
@@ -363,11 +363,11 @@ OPERATOR_FUNCTIONS: Mapping[str, Rewrite] = {
     "Visible": lambda region: e.Visible(region=region),
     "NotVisible": lambda region: e.NotVisible(region=region),
     **{"".join(map(str.capitalize, words.split())): side_function(words) for words in get_args(e.Side)},
-    "RelativeHeading": lambda X, Y=NOT_GIVEN: e.RelativeHeading(heading=X, origin=given(Y)),
-    "ApparentHeading": lambda X, Y=NOT_GIVEN: e.ApparentHeading(oriented_point=X, origin=given(Y)),
-    "RelativePosition": lambda X, Y=NOT_GIVEN: e.RelativePosition(target=X, origin=given(Y)),
-    "DistanceFrom": lambda X, Y=NOT_GIVEN: e.Distance(origin=X, target=given(Y)),
-    "DistancePast": lambda X, Y=NOT_GIVEN: e.DistancePast(vector=X, oriented_point=given(Y)),
+    "RelativeHeading": lambda X, Y=NOT_GIVEN: e.RelativeHeading(heading=X, origin=given_or_none(Y)),
+    "ApparentHeading": lambda X, Y=NOT_GIVEN: e.ApparentHeading(oriented_point=X, origin=given_or_none(Y)),
+    "RelativePosition": lambda X, Y=NOT_GIVEN: e.RelativePosition(target=X, origin=given_or_none(Y)),
+    "DistanceFrom": lambda X, Y=NOT_GIVEN: e.Distance(origin=X, target=given_or_none(Y)),
+    "DistancePast": lambda X, Y=NOT_GIVEN: e.DistancePast(vector=X, oriented_point=given_or_none(Y)),
     "AngleTo": lambda X: e.Angle(target=X),
     "AngleFrom": angle_between,
     "Follow": lambda F, X, D: e.Follow(field=F, origin=X, distance=D),
@@ -383,7 +383,7 @@ OPERATOR_FUNCTIONS: Mapping[str, Rewrite] = {
 """The functions behind operators that the releases give to every program, with the names of their parameters."""
 
 
-@spoken("function")
+@name_in_messages("function")
 @dataclass(frozen=True, slots=True)
 class OperatorFunction(Applicable):
     """A function that says what an operator says: `DistanceFrom(X, Y)` is `distance from X to Y`."""
@@ -403,7 +403,7 @@ CLASSES: Mapping[type, Mapping[str, Rewrite]] = {
 }
 
 
-@spoken("method")
+@name_in_messages("method")
 @dataclass(frozen=True, slots=True)
 class Member(Applicable):
     """A method of the released implementations, of a value."""
@@ -429,7 +429,7 @@ def own_name(value: object) -> str | None:
 
 def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | None:
     """What an attribute of a value stands for, if the program does not define it, and whether it is a method."""
-    inner = plain(subject)
+    inner = value_in_run(subject)
     match inner:
         case Instance():
             if canonical(name, state.settings.readings) in state.objects[inner.number] or inner.class_.method(name) is not None:
@@ -478,7 +478,7 @@ def meet(node: e.Intersects, values: list[object], stack: Stack, state: State) -
     for operand in map(reader.plain, values):
         if not (has_kind(operand, REGION) or has_kind(operand, OBJECT)):
             raise RunError(f"`intersects` expects a region or an Object, not {kind_name(operand)}", node.span, rule="O-Intersects")
-    left, right = (box(p.Constant(value=v)) if isinstance(plain(v), Instance) else p.Constant(value=v) for v in values)
+    left, right = (box(p.Constant(value=v)) if isinstance(value_in_run(v), Instance) else p.Constant(value=v) for v in values)
     meeting = p.Call(function=p.Attribute(value=left, name="intersects"), arguments=(right,), span=node.span)
     return Next("O-Intersects", Config(meeting, stack, state), node)
 

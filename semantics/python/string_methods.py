@@ -10,7 +10,7 @@ from typing import Any
 
 from ..machine.value_nesting import check_written
 from ..machine.values import arguments_of, unwrap
-from ..store.budget import Budget, length_of, refuse_too_long, whole
+from ..store.budget import Budget, as_whole_number, container_length, refuse_too_long
 from ..store.errors import FuelExhausted, RunError, without_addresses
 
 NUMBER = re.compile(r"\d+")
@@ -34,13 +34,13 @@ def in_this_run(value: object) -> object:
     return told
 
 
-def represented(value: object) -> str:
+def addressless_repr(value: object) -> str:
     """`repr(value)`, never with an address in memory, which would differ from run to run."""
     check_written(value)
     return without_addresses(repr(in_this_run(value)))
 
 
-def written(value: object) -> str:
+def addressless_str(value: object) -> str:
     """`str(value)`, never with an address in memory."""
     check_written(value)
     return str(value) if isinstance(value, str) else without_addresses(str(in_this_run(value)))
@@ -52,7 +52,7 @@ def too_many_digits(problem: ValueError) -> bool:
     return type(text) is str and text.startswith("Exceeds the limit")
 
 
-def formatted(value: object, specification: str = "") -> str:
+def addressless_format(value: object, specification: str = "") -> str:
     """`format(value, specification)`."""
     if not isinstance(specification, str):
         raise TypeError("a format specification must be a text")
@@ -81,25 +81,25 @@ class Fields(Formatter):
 
     def convert_field(self, value: Any, conversion: str | None) -> Any:
         """The value as `!r`, `!s` or `!a` ask for it."""
-        text = {"r": represented, "a": represented, "s": written}.get(conversion or "", lambda found: found)(value)
+        text = {"r": addressless_repr, "a": addressless_repr, "s": addressless_str}.get(conversion or "", lambda found: found)(value)
         return text.encode("ascii", "backslashreplace").decode("ascii") if conversion == "a" else text
 
     def format_field(self, value: Any, format_spec: str) -> str:
         """`format(value, format_spec)`."""
-        return formatted(value, format_spec)
+        return addressless_format(value, format_spec)
 
 
 def format_method(budget: Budget, template: str, *arguments: object, **keywords: object) -> str:
     """`template.format(*arguments, **keywords)`."""
-    return paid(budget, Fields().vformat(template, arguments, keywords))
+    return pay_for_text(budget, Fields().vformat(template, arguments, keywords))
 
 
 def format_map_method(budget: Budget, template: str, mapping: Mapping[str, object]) -> str:
     """`template.format_map(mapping)`."""
-    return paid(budget, Fields().vformat(template, (), mapping))
+    return pay_for_text(budget, Fields().vformat(template, (), mapping))
 
 
-def paid(budget: Budget, text: Any) -> Any:
+def pay_for_text(budget: Budget, text: Any) -> Any:
     """A text that was made."""
     refuse_too_long(len(text))
     budget.made(text)
@@ -112,7 +112,7 @@ def check_percent(template: str, values: object) -> None:
     for parts in DIRECTIVE.findall(template):
         for part in parts:
             if part == "*":
-                numbers = [whole(v) for v in (values if isinstance(values, tuple) else (values,)) if isinstance(v, int)]
+                numbers = [as_whole_number(v) for v in (values if isinstance(values, tuple) else (values,)) if isinstance(v, int)]
                 refuse_too_long(max(map(abs, numbers), default=0))
             elif part:
                 check_specification(part)
@@ -129,80 +129,80 @@ def percent(template: str, values: object) -> str:
 def join(budget: Budget, separator: Any, parts: Any) -> Any:
     """`separator.join(parts)`."""
     found = list(parts)
-    refuse_too_long(length_of(separator) * len(found) + sum(map(length_of, found)))
-    return paid(budget, separator.join(found))
+    refuse_too_long(container_length(separator) * len(found) + sum(map(container_length, found)))
+    return pay_for_text(budget, separator.join(found))
 
 
 def replace(budget: Budget, text: str, old: str, new: str, count: int = -1) -> str:
     """`text.replace(old, new, count)`."""
     found = str.count(text, old)
-    count = whole(count)
-    refuse_too_long(length_of(text) + (found if count < 0 else min(count, found)) * max(0, length_of(new) - length_of(old)))
-    return paid(budget, text.replace(old, new, count))
+    count = as_whole_number(count)
+    refuse_too_long(container_length(text) + (found if count < 0 else min(count, found)) * max(0, container_length(new) - container_length(old)))
+    return pay_for_text(budget, text.replace(old, new, count))
 
 
 def translate(budget: Budget, text: str, table: Any) -> str:
     """`text.translate(table)`."""
     if type(table) is not dict:
         raise TypeError("translate() takes a dictionary, as str.maketrans makes it")
-    longest = max((length_of(v) for v in table.values() if isinstance(v, str)), default=1)
+    longest = max((container_length(v) for v in table.values() if isinstance(v, str)), default=1)
     refuse_too_long(len(text) * longest)
-    return paid(budget, text.translate(table))
+    return pay_for_text(budget, text.translate(table))
 
 
 def expandtabs(budget: Budget, text: str, tabsize: int = 8) -> str:
     """`text.expandtabs(tabsize)`."""
-    tabsize = whole(tabsize)
+    tabsize = as_whole_number(tabsize)
     refuse_too_long(len(text) + str.count(text, "\t") * max(0, tabsize))
-    return paid(budget, text.expandtabs(tabsize))
+    return pay_for_text(budget, text.expandtabs(tabsize))
 
 
 def ljust(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.ljust(width, fill)`."""
-    refuse_too_long(width := whole(width))
-    return paid(budget, text.ljust(width, *fill))
+    refuse_too_long(width := as_whole_number(width))
+    return pay_for_text(budget, text.ljust(width, *fill))
 
 
 def rjust(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.rjust(width, fill)`."""
-    refuse_too_long(width := whole(width))
-    return paid(budget, text.rjust(width, *fill))
+    refuse_too_long(width := as_whole_number(width))
+    return pay_for_text(budget, text.rjust(width, *fill))
 
 
 def center(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.center(width, fill)`."""
-    refuse_too_long(width := whole(width))
-    return paid(budget, text.center(width, *fill))
+    refuse_too_long(width := as_whole_number(width))
+    return pay_for_text(budget, text.center(width, *fill))
 
 
 def zfill(budget: Budget, text: str, width: int) -> str:
     """`text.zfill(width)`."""
-    refuse_too_long(width := whole(width))
-    return paid(budget, text.zfill(width))
+    refuse_too_long(width := as_whole_number(width))
+    return pay_for_text(budget, text.zfill(width))
 
 
 SLOW = ("rfind", "rindex", "rpartition", "rsplit", "strip", "lstrip", "rstrip")
 """Methods for which Python may compare each character of the text with each of the argument."""
 
 
-def comparing(name: str) -> Any:
+def paid_text_method(name: str) -> Any:
     """A method of texts that pays for the characters that it compares."""
     method = getattr(str, name)
 
     def made(budget: Budget, text: str, *arguments: Any, **keywords: Any) -> object:
-        budget.spend(length_of(text) * max([length_of(a) for a in (*arguments, *keywords.values()) if isinstance(a, str)], default=0) // 8)
+        budget.spend(container_length(text) * max([container_length(a) for a in (*arguments, *keywords.values()) if isinstance(a, str)], default=0) // 8)
         return method(text, *arguments, **keywords)
 
     return made
 
 
-def beginning(name: str) -> Any:
+def paid_affix_test(name: str) -> Any:
     """`startswith` or `endswith`, which pays for each text that may begin or end it."""
     method = getattr(str, name)
 
     def made(budget: Budget, text: str, several: Any, *limits: Any) -> object:
         if isinstance(several, tuple):
-            budget.spend(sum(map(length_of, several)))
+            budget.spend(sum(map(container_length, several)))
         return method(text, several, *limits)
 
     return made
@@ -220,17 +220,17 @@ def check_encoding(name: Any) -> None:
 def encode(budget: Budget, text: str, encoding: str = "utf-8", errors: str = "strict") -> bytes:
     """`text.encode(encoding, errors)`."""
     check_encoding(encoding)
-    return paid(budget, str.encode(text, encoding, errors))
+    return pay_for_text(budget, str.encode(text, encoding, errors))
 
 
 def decode(budget: Budget, data: bytes, encoding: str = "utf-8", errors: str = "strict") -> str:
     """`data.decode(encoding, errors)`."""
     check_encoding(encoding)
-    return paid(budget, bytes.decode(data, encoding, errors))
+    return pay_for_text(budget, bytes.decode(data, encoding, errors))
 
 
 METHODS = {
-    **{name: comparing(name) for name in SLOW}, "startswith": beginning("startswith"), "endswith": beginning("endswith"), "encode": encode,
+    **{name: paid_text_method(name) for name in SLOW}, "startswith": paid_affix_test("startswith"), "endswith": paid_affix_test("endswith"), "encode": encode,
     "format": format_method, "format_map": format_map_method, "join": join, "replace": replace, "translate": translate, "expandtabs": expandtabs,
     "ljust": ljust, "rjust": rjust, "center": center, "zfill": zfill,
 }

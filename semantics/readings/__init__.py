@@ -12,9 +12,9 @@ from collections.abc import Mapping
 
 from ..store.errors import UsageError
 from ..store.suggestions import did_you_mean
-from .reading import PROFILES, Probe, Reading, load
+from .reading import PROFILES, Probe, Reading, load_readings
 
-READINGS: Mapping[str, Reading] = load()
+READINGS: Mapping[str, Reading] = load_readings()
 
 
 def always_decided() -> tuple[str, ...]:

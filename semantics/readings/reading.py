@@ -66,7 +66,7 @@ PROBE = {"program": str, "shows": dict}
 CHOICES = {"kind": ("conflict", "silence"), "about": ("scene", "policy", "pruning")}
 
 
-def load() -> Mapping[str, Reading]:
+def load_readings() -> Mapping[str, Reading]:
     """All readings, by id. Raises `ValueError` for a file whose entries are not those of a `Reading`."""
     found: dict[str, Reading] = {}
     for name in FILES:
@@ -82,7 +82,7 @@ def readings_in(text: str, file: str) -> Iterator[Reading]:
     """The readings of one file. Raises `ValueError`."""
     for id, entry in tomllib.loads(text).items():
         place = f"{file}: [{id}]"
-        checked(entry, REQUIRED, OPTIONAL, place)
+        check_entry(entry, REQUIRED, OPTIONAL, place)
         for key, known in CHOICES.items():
             if entry[key] not in known:
                 raise ValueError(f"{place}: {key} is one of {', '.join(known)}, not {entry[key]}")
@@ -102,7 +102,7 @@ def readings_in(text: str, file: str) -> Iterator[Reading]:
 
 def probe_of(entry: dict[str, object], alternatives: Mapping[str, str], place: str) -> Probe:
     """The probe of a reading, which says what each alternative shows. Raises `ValueError`."""
-    checked(entry, PROBE, {}, f"{place}: probe")
+    check_entry(entry, PROBE, {}, f"{place}: probe")
     program, shows = entry["program"], entry["shows"]
     assert isinstance(program, str) and isinstance(shows, dict)
     texts(shows.values(), f"{place}: shows")
@@ -111,7 +111,7 @@ def probe_of(entry: dict[str, object], alternatives: Mapping[str, str], place: s
     return Probe(program, shows)
 
 
-def checked(entry: object, required: Mapping[str, type], optional: Mapping[str, type], place: str) -> None:
+def check_entry(entry: object, required: Mapping[str, type], optional: Mapping[str, type], place: str) -> None:
     """Raise `ValueError` unless the entry has all of these keys, no others, and values of these types."""
     if not isinstance(entry, dict):
         raise ValueError(f"{place} is not a table")

@@ -14,11 +14,11 @@ from ..machine.outcome import Next, Outcome
 from ..machine.premises import Premises, premises
 from ..machine.sandbox_table import is_user_made
 from ..machine.value_nesting import check_written
-from ..machine.values import Random, plain, unwrap
+from ..machine.values import Random, unwrap, value_in_run
 from ..machine.world_queries import Parameters
 from ..python.call_costs import check_key
 from ..space.regions import Region
-from ..store.containers import apart, deque
+from ..store.containers import copy_inner_lists, deque
 from ..syntax import python_expressions as p
 from .operator_application import membership
 
@@ -75,7 +75,7 @@ def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, 
 
 def lies_in_region(left: object, right: object) -> bool:
     """Whether `left in right` is the operator of the paper."""
-    if not is_a(plain(right), Region):
+    if not is_a(value_in_run(right), Region):
         return False
     if not has_kind(unwrap(left)[0], "vector"):
         raise HostException(TypeError(f"{kind_name(left)} cannot lie in a region"))
@@ -100,15 +100,15 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return COMPARE[name](left, right)
     if type(right) is Parameters and name in ("in", "not in"):
         right = dict(state.params)
-    state.settings.door.budget.compared(plain(left), plain(right))
-    check_written(plain(left), plain(right))
+    state.settings.door.budget.compared(value_in_run(left), value_in_run(right))
+    check_written(value_in_run(left), value_in_run(right))
     if name in ("in", "not in") and unwrap(left)[1] is None:
         if isinstance(right, dict) and not is_user_made(right):
             right = right.keys()  # its values do not matter
         elif certain_member(left, right):
             return name == "in"
     if name in ORDER:
-        left, right = (Random(apart(v.value), v.origin) if type(v) is Random else apart(v) for v in (left, right))
+        left, right = (Random(copy_inner_lists(v.value), v.origin) if type(v) is Random else copy_inner_lists(v) for v in (left, right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 
@@ -123,7 +123,7 @@ def certain_member(item: object, container: object) -> bool:
     if type(item) not in SIMPLE or type(container) not in (list, tuple, deque, type({}.values())):
         return False
     for element in container:  # type: ignore[attr-defined]
-        if type(plain(element)) not in SIMPLE:
+        if type(value_in_run(element)) not in SIMPLE:
             return False
         if type(element) is not Random and (element is item or element == item):
             return True
@@ -138,4 +138,4 @@ def never_none(subject: object) -> bool:
     if type(subject) is not Random or subject.origin.distribution is None:
         return False
     support = subject.origin.distribution.support()
-    return support is None or not any(may_be_none(plain(v)) for v, _ in support)
+    return support is None or not any(may_be_none(value_in_run(v)) for v, _ in support)

@@ -8,10 +8,10 @@ from typing import NamedTuple
 from ..machine.config import State
 from ..machine.operand_kinds import REGION, Reader, View, has_kind, kind_name
 from ..machine.outcome import Requirement
-from ..machine.values import Instance, plain
+from ..machine.values import Instance, value_in_run
 from ..space import geometry
 from ..space.box_crowds import crowd_meets, near_pairs
-from ..space.numeric_functions import cosine, every, may_be, met, negation, number, sine
+from ..space.numeric_functions import cosine, every, is_met, may_be, negation, sine, to_floats
 from ..space.regions import Region, everywhere
 from ..store.errors import RunError, ScenicError
 from ..syntax.nodes import NOWHERE
@@ -57,7 +57,7 @@ def check_default_requirements(premises: tuple[Premise, ...], index: int, state:
     if index == len(premises):
         return None
     holds, objects, requirement = premises[index]
-    return requirement, met(holds(state, *objects), requirement)
+    return requirement, is_met(holds(state, *objects), requirement)
 
 
 def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
@@ -99,7 +99,7 @@ def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, st
         first, second = solid[i], solid[j]
         if second.number in made:
             text = f"{names[first.number]} and {names[second.number]} do not intersect"
-            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
+            yield Premise(no_collision, (first, second), Requirement("collision", second.span, text))
     if near is not None:
         yield Premise(all_apart, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
 
@@ -115,7 +115,7 @@ def in_region_of_its_own(state: State, o: Instance) -> bool:
     return object_is_in(View(o, reader), contained_in(o, reader))
 
 
-def apart(state: State, first: Instance, second: Instance) -> bool:
+def no_collision(state: State, first: Instance, second: Instance) -> bool:
     """o_i.allowCollisions ∨ o_j.allowCollisions ∨ boundingBox(o_i) ∩ boundingBox(o_j) = ∅ (reading `touching`)."""
     reader = Reader(state)
     one, other = View(first, reader), View(second, reader)
@@ -123,7 +123,7 @@ def apart(state: State, first: Instance, second: Instance) -> bool:
         one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
         closed=state.reading("touching") == "collide",
     )  # fmt: skip
-    return negation(every([*(number(reader.property(o, "allowCollisions")) == 0 for o in (first, second)), intersect]))
+    return negation(every([*(to_floats(reader.property(o, "allowCollisions")) == 0 for o in (first, second)), intersect]))
 
 
 def all_apart(state: State, *objects: Instance) -> bool:
@@ -137,12 +137,12 @@ def visible(state: State, o: Instance, ego: Instance) -> bool:
     """¬o_i.requireVisible ∨ ⟨ego can see o_i⟩ → True."""
     reader = Reader(state)
     required, seen = reader.property(o, "requireVisible"), can_see_object(View(ego, reader), View(o, reader))
-    return seen if required is True else negation(every([number(required) != 0, negation(seen)]))
+    return seen if required is True else negation(every([to_floats(required) != 0, negation(seen)]))
 
 
 def workspace_of(state: State) -> Region:
     """The value of `workspace`; without one, the whole plane."""
-    found = plain(state.workspace)
+    found = value_in_run(state.workspace)
     if found is None:
         return everywhere
     if has_kind(found, REGION):

@@ -10,7 +10,7 @@ from ..machine.operand_kinds import Reader, is_scalar
 from ..machine.outcome import Stuck
 from ..machine.values import Instance
 from ..space.distributions import BadParameters, Normal
-from ..space.numeric_functions import larger, number, smaller
+from ..space.numeric_functions import larger, smaller, to_floats
 from ..space.vectors import Vector
 from ..store.errors import RunError
 
@@ -51,7 +51,7 @@ def apply_mutations(index: int, drawn: tuple[object, ...], state: State) -> Nois
                 noise = (*noise, 0.0)
             else:
                 return Noise(i, noise, normal, state)
-        state = mutated(o, noise, state)
+        state = mutate_object(o, noise, state)
     return state
 
 
@@ -64,7 +64,7 @@ def normal_of(o: Instance, component: int, state: State) -> Normal:
     else:
         deviation = reader.plain(state.objects[o.number].get("colorStdDev", COLOR_DEVIATION))
     try:
-        return Normal(0.0, number(scale) * number(deviation))
+        return Normal(0.0, to_floats(scale) * to_floats(deviation))
     except TypeError:
         raise RunError(f"the standard deviation of the noise on {o!r} is not a number", o.span, rule="T-Mutate") from None
 
@@ -77,7 +77,7 @@ def color_of(o: Instance, state: State) -> tuple[float, ...]:
     return color if isinstance(color, tuple) and all(is_scalar(c) for c in color) else ()
 
 
-def mutated(o: Instance, noise: tuple[object, ...], state: State) -> State:
+def mutate_object(o: Instance, noise: tuple[object, ...], state: State) -> State:
     """O[o_i.position / pos_i][o_i.heading / head_i], where pos_i = O(o_i.position) + (n_{i,x}, n_{i,y}) and head_i = O(o_i.heading) + n_{i,h}.
 
     Under `mutate-color=yes` the color gets noise as well, and its components are kept within [0, 1].

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from ..machine.built_in_properties import checked_property
 from ..machine.config import Abrupt, Config, Stack, State, Value, reduce, value
-from ..machine.implicit_positions import expression_of, specified, specifying, wait, waits
+from ..machine.implicit_positions import expression_of, specified_object, specifier_scope, wait, waits
 from ..machine.operand_kinds import REGION, OrientedPointAt, Reader, has_kind, is_object, kind_name
 from ..machine.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from ..machine.premises import NOT_AN_AXIOM, Premises, axiom, premises
@@ -41,7 +41,7 @@ from . import released_forms
 from . import specifiers as sp
 from .operator_application import compute, heading_property
 from .operators import EGO, EGO_POSITION
-from .resolution import Ordered, Specification, postponed, resolve_specifiers
+from .resolution import Ordered, Specification, postpone_specifier, resolve_specifiers
 from .specifier_arguments import arguments_of, choose_form, default_specification, describe, ego_of, forms_under
 
 
@@ -188,7 +188,7 @@ def evaluate(stack: Stack, state: State) -> Outcome:
     if specification.arguments is None:
         return evaluate_default(frame, stack, state)
     if specification.waits:
-        inner = state._replace(sigma=specifying(frame.instance, frame.outer))
+        inner = state._replace(sigma=specifier_scope(frame.instance, frame.outer))
         return premises(specification.node, [expression_of(a) for a in specification.arguments], conclude_late, stack, inner)
     return specify(specification.form, specification.arguments, stack, state)
 
@@ -241,7 +241,7 @@ def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: St
         specification: Specification = construction.specification
         needed = tuple(dict.fromkeys((*specification.dependencies, "position")))
         changed = replace(specification, dependencies=needed, arguments=(result,), waits=True)
-        order = (*construction.order[: construction.i], *postponed(construction.order[construction.i :], changed, construction.node.span))
+        order = (*construction.order[: construction.i], *postpone_specifier(construction.order[construction.i :], changed, construction.node.span))
         frame_ = construction._replace(order=order)
         return Next("", Config(Value(None), (frame_, rest), outside(construction, state)), construction.node, Change("", "order", order))
     return assign("P-Default", sp.default_value(construction.specification.specifies[0], result), stack, outside(construction, state))
@@ -255,7 +255,7 @@ def wait_whole(config: Config) -> Outcome | None:
     specified").
     """
     control, stack, state = config
-    if isinstance(control, Value) and type(control.value) is Waiting and specified(state) is not None:
+    if isinstance(control, Value) and type(control.value) is Waiting and specified_object(state) is not None:
         return Next("", Config(control.value, stack, state))
     while stack:
         frame, below = stack

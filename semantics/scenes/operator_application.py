@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..machine.config import Config, Stack, State, Value, value
 from ..machine.host_calls import DoorStuck, HostException
-from ..machine.implicit_positions import expression_of, specified, specifying, wait
+from ..machine.implicit_positions import expression_of, specified_object, specifier_scope, wait
 from ..machine.operand_kinds import OrientedPointAt, Reader, has_kind, in_the_plane, is_oriented, unfit
 from ..machine.outcome import Next, Outcome, Requirement, Stuck
 from ..machine.premises import premises
@@ -63,7 +63,7 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
     equation = select(node, equations, operands, state)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
     if equation.needs_self:
-        instance = specified(state)
+        instance = specified_object(state)
         if instance is None:
             return value("", wait(node, values, apply_operator, state), stack, state, node)
         arguments.append(reader.property(instance, "position"))
@@ -139,14 +139,14 @@ class Settling(NamedTuple):
     draws: int
 
 
-def waited(node: Waiting, stack: Stack, state: State) -> Outcome:
+def reduce_waiting(node: Waiting, stack: Stack, state: State) -> Outcome:
     """What waited for a position is reduced, with the variables of the place where it stands, and the object whose position is meant here."""
-    instance = specified(state)
+    instance = specified_object(state)
     assert instance is not None
     key = (node, instance.number, None if state.simulation is None else state.simulation.step)
     if key in state.settled:
         return Next("", Config(Value(state.settled[key]), stack, state))
-    inner = state._replace(sigma=specifying(instance, node.scope))
+    inner = state._replace(sigma=specifier_scope(instance, node.scope))
     below = (Settling(key, state.draws), (InScope(state.sigma), stack))
     return premises(node.node, list(map(expression_of, node.values)), node.conclude, below, inner)
 

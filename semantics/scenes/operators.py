@@ -26,7 +26,7 @@ from ..machine.operand_kinds import (
 )
 from ..space import geometry
 from ..space.fields import VectorField
-from ..space.numeric_functions import number
+from ..space.numeric_functions import to_floats
 from ..space.regions import CircularRegion, Region, SectorRegion
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -181,7 +181,7 @@ def headings_relative(h1: float, h2: float) -> float:
 
 def vector_of(x: float, y: float) -> Vector:
     """⟦X @ Y⟧ = ⟨⟦X⟧, ⟦Y⟧⟩ (footnote in Section "Data Types")."""
-    return Vector(number(x), number(y))
+    return Vector(to_floats(x), to_floats(y))
 
 
 def vectors_relative(v1: Vector, v2: Vector) -> Vector:

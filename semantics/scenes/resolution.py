@@ -99,7 +99,7 @@ def resolve_specifiers(
     return tuple((s, tuple(determined[s])) for s in order)
 
 
-def postponed(remaining: Ordered, changed: Specification, span: Span) -> Ordered:
+def postpone_specifier(remaining: Ordered, changed: Specification, span: Span) -> Ordered:
     """The order of the specifiers that are left, the first of which has turned out to have the dependencies of `changed`; a circle is an error."""
     left = ((changed, remaining[0][1]), *remaining[1:])
     by_name = {name: specifier for specifier, names in left for name in names}

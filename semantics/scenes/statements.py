@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..machine.conditions import holding
+from ..machine.conditions import condition_truth
 from ..machine.config import PASS, Abrupt, Captured, Config, Stack, State, reduce
 from ..machine.draws import numbered_apart
 from ..machine.operand_kinds import is_object, is_scalar, kind_name
@@ -13,11 +13,11 @@ from ..machine.outcome import Change, Draw, Next, Observe, Outcome, Requirement,
 from ..machine.premises import premises
 from ..machine.simulation_state import check_setup
 from ..machine.value_nesting import check_nesting
-from ..machine.values import Instance, Origin, Random, plain, unwrap
-from ..python.assignment import done
+from ..machine.values import Instance, Origin, Random, unwrap, value_in_run
+from ..python.assignment import finish_statement
 from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
-from ..space.numeric_functions import is_finite_number, met
+from ..space.numeric_functions import is_finite_number, is_met
 from ..store.errors import RunError
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
@@ -37,7 +37,7 @@ def conclude_param(node: s.Param, values: list[object], stack: Stack, state: Sta
         check_nesting(f"the parameter {name}", assignment, node.span)
     unwrap(assigned)  # none may wait for a position
     change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))
-    return done("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
+    return finish_statement("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
 
 
 # Requirements
@@ -107,15 +107,15 @@ def check_place(span: Span, stack: Stack, state: State) -> None:
         raise RunError("a requirement may not be stated while the condition of another is evaluated", span, rule="S-Require")
 
 
-def required(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
+def conclude_require(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
-    return observed("S-Require", requirement, holding(result, requirement.span, state, "a requirement", "S-Require"), stack, state)
+    return observe_requirement("S-Require", requirement, condition_truth(result, requirement.span, state, "a requirement", "S-Require"), stack, state)
 
 
-def observed(rule: str, requirement: Requirement, holds: object, stack: Stack, state: State) -> Outcome:
+def observe_requirement(rule: str, requirement: Requirement, holds: object, stack: Stack, state: State) -> Outcome:
     """The rule fires only if the requirement holds; otherwise no rule applies and the run is stuck."""
     after = Config(PASS, stack, state)
-    return Observe(rule, requirement, after) if met(holds, requirement) else Stuck(rule, requirement, after)
+    return Observe(rule, requirement, after) if is_met(holds, requirement) else Stuck(rule, requirement, after)
 
 
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
@@ -134,7 +134,7 @@ def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
     requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
-    return require(requirement, node.condition, required, stack, state)
+    return require(requirement, node.condition, conclude_require, stack, state)
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
@@ -156,13 +156,13 @@ def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state
         ) from None
 
     def resume(heads: object) -> Config:
-        return check(node, stack, state) if heads else skip(stack, state)
+        return check_soft_requirement(node, stack, state) if heads else skip(stack, state)
 
     per_scene = state.reading("soft") == "scene"
     return Draw("S-SoftReq-Check", state.address, coin, node, resume, per_scene=per_scene, otherwise="S-SoftReq-Skip")
 
 
-def check(node: s.SoftRequire, stack: Stack, state: State) -> Config:
+def check_soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Config:
     """⟨require[p] B, σ, π, O⟩ →^p ⟨require B, σ, π, O⟩."""
     return Config(s.Require(condition=node.condition, span=node.span), *numbered_apart(stack, state))
 
@@ -190,12 +190,12 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     if state.simulation is not None:
         first = check_setup("objects are mutated", node, stack)
     scale = 1 if node.scale is None else scale
-    inner = plain(scale)
+    inner = value_in_run(scale)
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
         place = node.span if node.scale is None else node.scale.span
         hint = "it scales the noise of the position and of the heading alike: give one number"
         raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", place, rule="S-Mutate", hint=hint)
-    targets = [plain(v) for v in listed] if node.objects else list(state.scene[first:])
+    targets = [value_in_run(v) for v in listed] if node.objects else list(state.scene[first:])
     for i, target in enumerate(targets):
         if not (isinstance(target, Instance) and is_object(target)):
             hint = "for a number that varies write Normal(mean, stdDev)" if is_scalar(target) else ""
@@ -203,4 +203,4 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
         if target not in state.scene[first:]:
             raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
         state = state.with_properties(target, {"mutationScale": scale})
-    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))
+    return finish_statement("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))

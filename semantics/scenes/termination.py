@@ -15,7 +15,7 @@ from ..machine.config import PASS, Captured, Config, Stack, State, Value
 from ..machine.host_calls import host
 from ..machine.operand_kinds import Reader
 from ..machine.outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
-from ..machine.values import Origin, Random, plain
+from ..machine.values import Origin, Random, value_in_run
 from ..syntax.nodes import NOWHERE
 from ..syntax.python_expressions import Constant
 from .default_requirements import Premise, check_default_requirements, default_requirements
@@ -32,7 +32,7 @@ def given_params(state: State) -> Iterator[Premise]:
 
 def has_value(name: str, value: object, state: State) -> bool:
     """π(name) = value; on symbols a symbol."""
-    return plain(host(state.settings.door, state, operator.eq, state.params[name], value))  # type: ignore[return-value]
+    return value_in_run(host(state.settings.door, state, operator.eq, state.params[name], value))  # type: ignore[return-value]
 
 
 class Mutating(NamedTuple):

@@ -26,7 +26,7 @@ RADIANS = 1e-8
 """A sector whose angle lacks no more than this of a full turn is a disc."""
 
 
-def widened(shape: BaseGeometry) -> BaseGeometry:
+def widen_shape(shape: BaseGeometry) -> BaseGeometry:
     """The polygons of `shape`, or its lines and points, and all within `METRES` of them, as an area."""
     return shape.buffer(METRES, quad_segs=1, join_style="mitre")
 
@@ -39,7 +39,7 @@ def grid_for(*shapes: BaseGeometry) -> float | None:
     return max(GRID, float(np.nanmax(bounds, initial=0.0)) * 2.0**-50)
 
 
-def united(shapes: Sequence[BaseGeometry]) -> BaseGeometry:
+def unite_shapes(shapes: Sequence[BaseGeometry]) -> BaseGeometry:
     """The union."""
     return shapely.union_all(shapes, grid_size=grid_for(*shapes))  # type: ignore[arg-type]
 

@@ -14,7 +14,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from .boundaries import all_widened
-from .numeric_functions import is_real, lifted
+from .numeric_functions import is_real, lift_method
 from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
@@ -126,7 +126,7 @@ class PolygonalVectorField(VectorField):
                 return number
         return None
 
-    @lifted(float)
+    @lift_method(float)
     def _value_at(self, v: Vector) -> float:
         number = self.cell_at(v)
         if number is None:

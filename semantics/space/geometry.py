@@ -49,14 +49,14 @@ def angle_of(v: Vector) -> float:
     return arc_tangent(0.0 - v.x, v.y + 0.0)
 
 
-def length_of(v: Vector) -> float:
+def vector_norm(v: Vector) -> float:
     """|v|, in metres."""
     return plain_float(np.hypot(real(v.x), real(v.y)))
 
 
 def distance(a: Vector, b: Vector) -> float:
     """|b - a|, in metres (operator `distance from V1 to V2`)."""
-    return length_of(Vector(b.x - a.x, b.y - a.y))
+    return vector_norm(Vector(b.x - a.x, b.y - a.y))
 
 
 def normalise_heading(heading: float) -> float:
@@ -97,7 +97,7 @@ def box_contains(position: Vector, heading: float, width: float, length: float, 
 def distance_to_box(position: Vector, heading: float, width: float, length: float, point: Vector) -> float:
     """The distance from `point` to the nearest point of the box; 0 inside."""
     local = to_local(position, heading, point)
-    return length_of(Vector(larger(abs(local.x) - width / 2, 0.0), larger(abs(local.y) - length / 2, 0.0)))
+    return vector_norm(Vector(larger(abs(local.x) - width / 2, 0.0), larger(abs(local.y) - length / 2, 0.0)))
 
 
 def boxes_intersect(

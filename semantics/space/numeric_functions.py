@@ -21,7 +21,7 @@ from .symbol_seam import NotLifted, Symbol, symbol_in
 Method = TypeVar("Method", bound=Callable[..., object])
 
 
-def lifted(result: type) -> Callable[[Method], Method]:
+def lift_method(result: type) -> Callable[[Method], Method]:
     """A method that is not made of liftable operations, such as a test on a polygon: given symbols, it becomes a single operation."""
 
     def decorate(method: Method) -> Method:
@@ -88,7 +88,7 @@ def plain_float(value: Any) -> Any:
     return value if isinstance(value, (np.ndarray, Symbol)) else float(value)
 
 
-def number(value: Any) -> Any:
+def to_floats(value: Any) -> Any:
     """`float(value)`; an array or a symbol as floats."""
     return value.number() if isinstance(value, Symbol) else value if isinstance(value, np.ndarray) else float(value)
 
@@ -118,7 +118,7 @@ def may_be(expected: bool, truth: object) -> bool:
     return isinstance(truth, Symbol) or bool(truth) is expected
 
 
-def met(condition: Any, requirement: object) -> bool:
+def is_met(condition: Any, requirement: object) -> bool:
     """Whether the condition of a requirement holds; on symbols, this very truth value decides about the requirement."""
     return condition.met(requirement) if isinstance(condition, Symbol) else bool(condition)
 

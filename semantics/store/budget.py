@@ -55,13 +55,13 @@ class Budget:
         """Pay for what host code goes through."""
         for value in arguments:
             if type(value) not in PLAIN and isinstance(value, Sized):
-                self.spend(size_of(value))
+                self.spend(host_size(value))
 
     def compared(self, *values: object) -> None:
         """Pay, besides, for the elements that a comparison looks into."""
         for value in values:
             if isinstance(value, (list, tuple, deque)):
-                self.spend(COMPARED * length_of(value))
+                self.spend(COMPARED * container_length(value))
 
     def made(self, value: object) -> None:
         """Pay for what was made, without what is inside."""
@@ -122,18 +122,18 @@ class Metered:
         return "<iterator>"
 
 
-def size_of(value: Sized) -> int:
+def host_size(value: Sized) -> int:
     """How many elements host code meets that goes through the value; 0 for a class, or where the program itself counts them."""
     if isinstance(value, range):
         return ITEM * (max(0, (value.stop - value.start + value.step - (1 if value.step > 0 else -1)) // value.step))
-    return 0 if isinstance(value, type) else length_of(value)
+    return 0 if isinstance(value, type) else container_length(value)
 
 
 VIEWS = (type({}.keys()), type({}.values()), type({}.items()))
 COUNTED: tuple[type[Any], ...] = (list, tuple, dict, str, Set, FrozenSet, set, frozenset, bytes, deque, *VIEWS)
 
 
-def length_of(value: object) -> int:
+def container_length(value: object) -> int:
     """How many elements a container of Python really has, whatever a class of the program says of it; 0 for anything else."""
     return next((counted.__len__(value) for counted in COUNTED if isinstance(value, counted)), 0)
 
@@ -162,14 +162,14 @@ def plain_data(value: Any) -> Any:
     return int.__add__(value, 0) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def whole(number: Any) -> int:
+def as_whole_number(number: Any) -> int:
     """The whole number that library code takes a value for, whatever a class of the program says of it. Raises `TypeError`."""
     return int.__add__(operator.index(number), 0)
 
 
 def refuse_too_long(count: int) -> None:
     """Raise an error where one value would get so many elements or characters."""
-    count = whole(count)
+    count = as_whole_number(count)
     if count > LARGEST_SEQUENCE:
         raise RunError(f"{count:,} elements or characters are too many for one value: at most {LARGEST_SEQUENCE:,}", rule="E-Call-Host")
 

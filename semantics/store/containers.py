@@ -62,10 +62,10 @@ class OrderedDict(dict[Any, Any]):
     __hash__ = None  # type: ignore[assignment]
 
     def __or__(self, other: Any) -> Any:
-        return merged(self, self, other)
+        return merge_dictionaries(self, self, other)
 
     def __ror__(self, other: Any) -> Any:
-        return merged(self, other, self)
+        return merge_dictionaries(self, other, self)
 
     def __repr__(self) -> str:
         name, items = type(self).__name__, list(dict.items(self))
@@ -75,7 +75,7 @@ class OrderedDict(dict[Any, Any]):
         return type(self), (list(dict.items(self)),)
 
 
-def merged(of: OrderedDict, first: Any, second: Any) -> Any:
+def merge_dictionaries(of: OrderedDict, first: Any, second: Any) -> Any:
     """`first | second` as a dictionary of the class of one of them."""
     if not isinstance(first, dict) or not isinstance(second, dict):
         return NotImplemented
@@ -102,30 +102,30 @@ class Counter(collections.Counter[Any]):
         return found if n is None else found[: max(0, index(n))]
 
     def __add__(self, other: Any) -> Any:
-        return recounted(super().__add__(other))
+        return as_counter(super().__add__(other))
 
     def __sub__(self, other: Any) -> Any:
-        return recounted(super().__sub__(other))
+        return as_counter(super().__sub__(other))
 
     def __or__(self, other: Any) -> Any:
-        return recounted(super().__or__(other))
+        return as_counter(super().__or__(other))
 
     def __and__(self, other: Any) -> Any:
-        return recounted(super().__and__(other))
+        return as_counter(super().__and__(other))
 
     def __pos__(self) -> Any:
-        return recounted(super().__pos__())
+        return as_counter(super().__pos__())
 
     def __neg__(self) -> Any:
-        return recounted(super().__neg__())
+        return as_counter(super().__neg__())
 
 
 def count_of(entry: tuple[Any, Any]) -> Any:
     """The count of an element of a counter, to be ordered."""
-    return apart(entry[1])
+    return copy_inner_lists(entry[1])
 
 
-def recounted(counts: Any) -> Any:
+def as_counter(counts: Any) -> Any:
     """What an operator of Python's gave, as a counter of ours."""
     if not isinstance(counts, dict):
         return counts
@@ -168,16 +168,16 @@ class deque(collections.deque[Any]):
         return elements_of(self) != elements_of(other) if isinstance(other, collections.deque) else NotImplemented
 
     def __lt__(self, other: Any) -> Any:
-        return apart(elements_of(self)) < apart(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
+        return copy_inner_lists(elements_of(self)) < copy_inner_lists(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
 
     def __le__(self, other: Any) -> Any:
-        return apart(elements_of(self)) <= apart(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
+        return copy_inner_lists(elements_of(self)) <= copy_inner_lists(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
 
     def __gt__(self, other: Any) -> Any:
-        return apart(elements_of(self)) > apart(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
+        return copy_inner_lists(elements_of(self)) > copy_inner_lists(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
 
     def __ge__(self, other: Any) -> Any:
-        return apart(elements_of(self)) >= apart(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
+        return copy_inner_lists(elements_of(self)) >= copy_inner_lists(elements_of(other)) if isinstance(other, collections.deque) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -191,7 +191,7 @@ ATOMS = frozenset((int, float, complex, str, bytes, bool, type(None)))
 """Types whose values are compared without a method of the program."""
 
 
-def apart(value: Any) -> Any:
+def copy_inner_lists(value: Any) -> Any:
     """A value to be ordered: lists in it as copies, which no method of the program can get at and change while they are compared.
 
     Python goes on with an element of a list that the method which it asks for the order has removed.
@@ -199,7 +199,7 @@ def apart(value: Any) -> Any:
     real: Any = list if isinstance(value, list) else tuple if isinstance(value, tuple) else None
     if real is None or ATOMS.issuperset(map(type, real.__iter__(value))) or not keeps_order(type(value), real):
         return value
-    return real(map(apart, real.__iter__(value)))
+    return real(map(copy_inner_lists, real.__iter__(value)))
 
 
 def keeps_order(kind: type, real: type) -> bool:

@@ -14,7 +14,7 @@ from .scopes import Scope
 Kind = TypeVar("Kind", bound=type)
 
 
-def spoken(name: str) -> Callable[[Kind], Kind]:
+def name_in_messages(name: str) -> Callable[[Kind], Kind]:
     """Give a class the name that Python's own messages call its values by, as in "'instance' object is not iterable"."""
 
     def decorate(kind: Kind) -> Kind:
@@ -24,7 +24,7 @@ def spoken(name: str) -> Callable[[Kind], Kind]:
     return decorate
 
 
-@spoken("class")
+@name_in_messages("class")
 @dataclass(frozen=True, eq=False)
 class ScenicClass:
     """A Scenic class: its own defaults as expressions, its methods, and the scope in which both are evaluated."""
@@ -52,7 +52,7 @@ class ScenicClass:
     @cached_property
     def lineage(self) -> tuple[ScenicClass, ...]:
         """This class, its superclasses, and so on up to Point: in Python's order of resolution. Raises TypeError if there is none."""
-        return (self, *merged([*(list(c.lineage) for c in self.superclasses), list(self.superclasses)]))
+        return (self, *merge_linearisations([*(list(c.lineage) for c in self.superclasses), list(self.superclasses)]))
 
     @cached_property
     def defaults(self) -> Mapping[str, tuple[Node, ScenicClass]]:
@@ -91,7 +91,7 @@ class DefaultIn(Node):
     owner: ScenicClass
 
 
-def merged(orders: list[list[ScenicClass]]) -> Iterator[ScenicClass]:
+def merge_linearisations(orders: list[list[ScenicClass]]) -> Iterator[ScenicClass]:
     """The classes of these orders in one that agrees with all of them (C3, as in Python). Raises TypeError if there is none."""
     while orders := [order for order in orders if order]:
         first = next((order[0] for order in orders if not any(order[0] in other[1:] for other in orders)), None)

@@ -124,10 +124,10 @@ class Scope:
             return self
         seen = {} if seen is None else seen
         around = self.versions if self.parent is None else self.parent.snapshot(seen)
-        return Scope(self.kind, around, self.names, {name: copied(value, seen) for name, value in self.bindings.items()}, self.package)
+        return Scope(self.kind, around, self.names, {name: copy_containers(value, seen) for name, value in self.bindings.items()}, self.package)
 
 
-def copied(value: object, seen: dict[int, object]) -> object:
+def copy_containers(value: object, seen: dict[int, object]) -> object:
     """The value with its lists, dictionaries and sets copied; `seen` keeps what is shared shared."""
     if type(value) not in (list, dict, Set, tuple):
         return value
@@ -137,17 +137,17 @@ def copied(value: object, seen: dict[int, object]) -> object:
         case list():
             items: list[object] = []
             seen[id(value)] = items
-            items.extend(copied(v, seen) for v in value)
+            items.extend(copy_containers(v, seen) for v in value)
             return items
         case dict():
             entries: dict[object, object] = {}
             seen[id(value)] = entries
-            entries.update((k, copied(v, seen)) for k, v in value.items())
+            entries.update((k, copy_containers(v, seen)) for k, v in value.items())
             return entries
         case Set():
             return seen.setdefault(id(value), value.copy())
         case _:
-            return tuple(copied(v, seen) for v in value)  # type: ignore[union-attr]
+            return tuple(copy_containers(v, seen) for v in value)  # type: ignore[union-attr]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

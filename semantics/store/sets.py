@@ -66,37 +66,37 @@ class Set(set[Any]):
         return Set(self.order)
 
     def union(self, *others: Iterable[Hashable]) -> Set:
-        return Set(joined(self, others))
+        return Set(union_items(self, others))
 
     def intersection(self, *others: Iterable[Hashable]) -> Set:
-        return Set(shared(self, others))
+        return Set(intersection_items(self, others))
 
     def difference(self, *others: Iterable[Hashable]) -> Set:
-        return Set(left(self, others))
+        return Set(difference_items(self, others))
 
     def symmetric_difference(self, other: Iterable[Hashable]) -> Set:
         return Set(in_one(self, other))
 
     def update(self, *others: Iterable[Hashable]) -> None:
-        self.renewed(dict.fromkeys(joined(self, others)))
+        self.renewed(dict.fromkeys(union_items(self, others)))
 
     def intersection_update(self, *others: Iterable[Hashable]) -> None:
-        self.renewed(dict.fromkeys(shared(self, others)))
+        self.renewed(dict.fromkeys(intersection_items(self, others)))
 
     def difference_update(self, *others: Iterable[Hashable]) -> None:
-        self.renewed(dict.fromkeys(left(self, others)))
+        self.renewed(dict.fromkeys(difference_items(self, others)))
 
     def symmetric_difference_update(self, other: Iterable[Hashable]) -> None:
         self.renewed(dict.fromkeys(in_one(self, other)))
 
     def __or__(self, other: Any) -> Any:
-        return Set(joined(self, (other,))) if is_set(other) else NotImplemented
+        return Set(union_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __and__(self, other: Any) -> Any:
-        return Set(shared(self, (other,))) if is_set(other) else NotImplemented
+        return Set(intersection_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __sub__(self, other: Any) -> Any:
-        return Set(left(self, (other,))) if is_set(other) else NotImplemented
+        return Set(difference_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __xor__(self, other: Any) -> Any:
         return Set(in_one(self, other)) if is_set(other) else NotImplemented
@@ -144,25 +144,25 @@ class FrozenSet(frozenset[Any]):
         return self
 
     def union(self, *others: Iterable[Hashable]) -> FrozenSet:
-        return FrozenSet(joined(self, others))
+        return FrozenSet(union_items(self, others))
 
     def intersection(self, *others: Iterable[Hashable]) -> FrozenSet:
-        return FrozenSet(shared(self, others))
+        return FrozenSet(intersection_items(self, others))
 
     def difference(self, *others: Iterable[Hashable]) -> FrozenSet:
-        return FrozenSet(left(self, others))
+        return FrozenSet(difference_items(self, others))
 
     def symmetric_difference(self, other: Iterable[Hashable]) -> FrozenSet:
         return FrozenSet(in_one(self, other))
 
     def __or__(self, other: Any) -> Any:
-        return FrozenSet(joined(self, (other,))) if is_set(other) else NotImplemented
+        return FrozenSet(union_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __and__(self, other: Any) -> Any:
-        return FrozenSet(shared(self, (other,))) if is_set(other) else NotImplemented
+        return FrozenSet(intersection_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __sub__(self, other: Any) -> Any:
-        return FrozenSet(left(self, (other,))) if is_set(other) else NotImplemented
+        return FrozenSet(difference_items(self, (other,))) if is_set(other) else NotImplemented
 
     def __xor__(self, other: Any) -> Any:
         return FrozenSet(in_one(self, other)) if is_set(other) else NotImplemented
@@ -176,20 +176,20 @@ def is_set(value: object) -> bool:
     return isinstance(value, (set, frozenset, *VIEWS))
 
 
-def joined(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
+def union_items(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
     """The elements of the first, then those of the others."""
     yield from first
     for other in others:
         yield from other
 
 
-def shared(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
+def intersection_items(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
     """The elements of the first that are in all others."""
     members = [frozenset(other) for other in others]
     return (item for item in list(first) if all(item in other for other in members))
 
 
-def left(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
+def difference_items(first: Iterable[Any], others: Iterable[Iterable[Any]]) -> Iterator[Any]:
     """The elements of the first that are in none of the others."""
     gone = {item for other in others for item in other}
     return (item for item in list(first) if item not in gone)

@@ -38,7 +38,7 @@ OF_OTHERS: Mapping[str, str] = {
 OF_OBJECTS = ("position", "heading", "width", "length", "speed", "velocity", "viewAngle", "viewDistance")
 
 
-def meant(name: str, known: Iterable[str], elsewhere: Mapping[str, tuple[str, ...]]) -> str:
+def undefined_name_hint(name: str, known: Iterable[str], elsewhere: Mapping[str, tuple[str, ...]]) -> str:
     """The hint about a name that is not defined, where these are `known` and others are in world models."""
     near = nearest(name, [*known, *CONSTANTS])
     found = name if name in elsewhere else None
@@ -103,11 +103,11 @@ def slips_between(name: str, known: str) -> int | None:
     most = min(max(len(name), len(known)) // 4, MOST_SLIPS)
     if abs(len(known) - len(name)) > most or len(name) > LONGEST:
         return None
-    slips = distance(name, known)
+    slips = edit_distance(name, known)
     return slips if slips <= most or (slips <= SWAPPED and sorted(name) == sorted(known)) else None
 
 
-def distance(one: str, other: str) -> int:
+def edit_distance(one: str, other: str) -> int:
     """The fewest letters to add, leave out, replace, or swap with the next, that make one text the other."""
     before: list[int] = []
     row = list(range(len(other) + 1))

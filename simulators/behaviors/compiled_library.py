@@ -18,8 +18,8 @@ from ...semantics.syntax.nodes import Expression, Node
 from ...semantics.syntax.python_expressions import Parameter
 from ...semantics.syntax.statements import Block
 from .fallback import Untranslated
-from .operations import name_of
-from .translate_expressions import size_of
+from .operations import function_report_name
+from .translate_expressions import syntax_size
 from .translate_statements import OF_METHOD, SCOPES, condition, coroutine, function_body
 
 
@@ -101,7 +101,7 @@ def function_code(key: FunctionKey, scopes: str, readings: tuple[tuple[str, str]
     except Untranslated as problem:
         return problem
     simple = all(q.kind == "positional" for q in key.parameters)
-    size = size_of(*(key.body if isinstance(key.body, tuple) else (key.body,)))
+    size = syntax_size(*(key.body if isinstance(key.body, tuple) else (key.body,)))
     return FunctionCode(run, size, tuple(q.name for q in key.parameters) if simple else None)
 
 
@@ -183,7 +183,7 @@ class Library:
             key = FunctionKey(function.body, function.parameters, function.names)
             code = function_code(key, scopes_of(function.scope), tuple(sorted(self.readings.items())))
             if isinstance(code, Untranslated):
-                self.functions_left[name_of(function)] = code.reason
+                self.functions_left[function_report_name(function)] = code.reason
                 code = None
             found = self.functions[id(function.body)] = function.body, code  # which is kept, so that nothing else gets its number
         return found[1]

@@ -17,8 +17,8 @@ from ...semantics.dynamics.invocations import with_arguments
 from ...semantics.dynamics.scenarios import deadline_of
 from ...semantics.machine.config import PASS, Abrupt, Config
 from ...semantics.machine.outcome import Draw, Next, Requirement
-from ...semantics.machine.simulation_state import flagged, has_passed, line_of, simulation_of
-from ...semantics.machine.values import Dynamic, Instance, plain, unwrap
+from ...semantics.machine.simulation_state import flag_end, has_passed, simulation_of, span_line_text
+from ...semantics.machine.values import Dynamic, Instance, unwrap, value_in_run
 from ...semantics.python.string_methods import stable_repr
 from ...semantics.space.distributions import Discrete
 from ...semantics.space.vectors import Unchanging, Vector
@@ -75,7 +75,7 @@ class Invocation:
         text = self.lines.get(id(node))
         if text is None:
             assert self.agent is not None
-            place = "" if node is None else line_of(node.span, self.agent.span.file)
+            place = "" if node is None else span_line_text(node.span, self.agent.span.file)
             text = ", ".join([" > ".join(map(stable_repr, self.path)), *([place] if place else [])])
             if self.fixed:
                 self.lines[id(node)] = text
@@ -87,7 +87,7 @@ FIXED = frozenset({float, int, bool, str, type(None), Vector, Instance})
 
 def is_fixed(value: object) -> bool:
     """Whether an argument is always told in the same words."""
-    value = plain(value)
+    value = value_in_run(value)
     return type(value) in FIXED or isinstance(value, Unchanging)
 
 
@@ -124,7 +124,7 @@ class Courses(Calls):
     def terminate(self, node: d.Terminate) -> None:
         """`terminate`."""
         if node.simulation:
-            self.state = flagged("`terminate simulation` was executed", self.state)
+            self.state = flag_end("`terminate simulation` was executed", self.state)
         self.tell("D-Terminate", node)
         raise Terminated
 
@@ -214,7 +214,7 @@ class Courses(Calls):
                 except Raised:
                     self.prefix, self.draws, self.handling = outer
                     if terminates:
-                        self.state = flagged(f"the behavior of {caller.agent!r} executed `terminate`", self.state)
+                        self.state = flag_end(f"the behavior of {caller.agent!r} executed `terminate`", self.state)
                     raise
             self.prefix, self.draws, self.handling = outer
             if terminates:
@@ -258,7 +258,7 @@ class Courses(Calls):
         given = self.state.settings.given.draws
         known = given[address].of(distribution) if address in given else distribution
         self.draws += 1
-        return plain(self.choose(Draw(rule, address, known, node, no_configuration)))
+        return value_in_run(self.choose(Draw(rule, address, known, node, no_configuration)))
 
     # Exceptions
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from ...semantics.machine.config import State
 from ...semantics.machine.operand_kinds import is_object, is_oriented
 from ...semantics.machine.sandbox_table import may_ask
-from ...semantics.machine.values import Bound, Instance, Random, plain, wrap
+from ...semantics.machine.values import Bound, Instance, Random, value_in_run, wrap
 from ...semantics.machine.world_queries import Clock
 from ...semantics.python.builtin_rules import SPECIAL_VALUES
 from ...semantics.python.library import BUILTIN, GIVEN
@@ -121,7 +121,7 @@ def attribute(subject: object, name: str) -> Any:
 # Calls
 
 
-def given(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
+def host_argument(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
     """An argument as host code of maps gets it: of an object its position; a list of places as it is."""
     if type(value) is Instance:
         value = objects[value.number].get("position")
@@ -140,7 +140,7 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
         if not isinstance(function.__self__, Unchanging):
             return SLOWLY
         if not named and KNOWN.issuperset(map(type, arguments)):
-            return attempted(function, arguments, named)
+            return attempt_host_call(function, arguments, named)
     elif kind is BuiltinFunctionType:
         quick = BUILTINS.get(function)
         if quick is None or named:
@@ -157,7 +157,7 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
     origin = next((a.origin for a in every if type(a) is Random), None)
     if origin is None:
         return known_call(function, arguments, named, objects)
-    found = known_call(function, tuple(map(plain, arguments)), {name: plain(a) for name, a in named.items()}, objects)
+    found = known_call(function, tuple(map(value_in_run, arguments)), {name: value_in_run(a) for name, a in named.items()}, objects)
     return found if found is SLOWLY else wrap(found, origin)
 
 
@@ -169,13 +169,13 @@ def known_call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, An
         return SLOWLY if named else is_instance(arguments)
     if function is check_arguments:
         known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Unchanging) for a in arguments)
-        return attempted(function, arguments, named) if known else SLOWLY
-    taken = [given(a, objects) for a in arguments]
-    by_name = {name: given(a, objects) for name, a in named.items()}
-    return SLOWLY if any(a is SLOWLY for a in (*taken, *by_name.values())) else attempted(function, taken, by_name)
+        return attempt_host_call(function, arguments, named) if known else SLOWLY
+    taken = [host_argument(a, objects) for a in arguments]
+    by_name = {name: host_argument(a, objects) for name, a in named.items()}
+    return SLOWLY if any(a is SLOWLY for a in (*taken, *by_name.values())) else attempt_host_call(function, taken, by_name)
 
 
-def attempted(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
+def attempt_host_call(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
     """What host code gives, or `SLOWLY` if it raises."""
     try:
         found = function(*arguments, **named)
@@ -218,7 +218,7 @@ def length(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     return len(arguments[0]) if known else SLOWLY
 
 
-def quantified(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def quantify_truths(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """`any(xs)`, `all(xs)` of truth values."""
     known = len(arguments) == 1 and type(arguments[0]) in (list, tuple) and len(arguments[0]) < SHORT_LIST
     known = known and all(type(a) is bool for a in arguments[0])
@@ -237,7 +237,7 @@ BUILTINS: Mapping[Callable[..., object], Callable[[Callable[..., Any], tuple[Any
         "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot", "exp", "log", "degrees", "radians", "floor", "ceil", "fabs", "isinf",
         "isnan", "copysign", "fmod",
     ))), of_numbers),
-    min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified,
+    min: least_or_most, max: least_or_most, len: length, any: quantify_truths, all: quantify_truths,
 }  # fmt: skip
 SUM = BUILTIN["sum"].function  # type: ignore[attr-defined]
 ISINSTANCE = SPECIAL_VALUES["isinstance"]

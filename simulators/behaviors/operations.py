@@ -13,7 +13,7 @@ from types import NoneType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ...semantics.dynamics.coroutines import Coroutine
-from ...semantics.machine.conditions import holding, truth
+from ...semantics.machine.conditions import condition_truth, truth
 from ...semantics.machine.config import Abrupt, Config, Stack, State, Value
 from ...semantics.machine.host_calls import DEEPEST_CALLS, HostException
 from ...semantics.machine.operand_kinds import Reader, is_object
@@ -30,7 +30,7 @@ from ...semantics.machine.run_loop import (
 )
 from ...semantics.machine.sandbox_table import is_hidden, is_user_made
 from ...semantics.machine.simulation_state import Who
-from ...semantics.machine.values import Dynamic, Function, Instance, Method, Module, Random, plain, unwrap
+from ...semantics.machine.values import Dynamic, Function, Instance, Method, Module, Random, unwrap, value_in_run
 from ...semantics.machine.world_queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.python.assignment import bind_target, conclude_assignment, conclude_augmented
 from ...semantics.python.calls import conclude_call, invocation
@@ -39,7 +39,7 @@ from ...semantics.python.elementwise_builtins import LISTING
 from ...semantics.python.expression_statements import Discard, resume_discard
 from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_subscript, conclude_unary, container
 from ...semantics.python.functions import InScope, make_function
-from ...semantics.python.generators import Walk, pull, taken, walk
+from ...semantics.python.generators import Walk, pull, take_element, walk
 from ...semantics.scenes.comparisons import conclude_comparison
 from ...semantics.scenes.object_definitions import ClassOf
 from ...semantics.scenes.operator_application import apply_operator, apply_side, compute, new_oriented_point
@@ -47,7 +47,7 @@ from ...semantics.scenes.operators import IN_EQUATIONS, SIDES, Equation, Oriente
 from ...semantics.scenes.released_forms import equations_of
 from ...semantics.space.regions import EmptyRegion, Region, UnboundedRegion
 from ...semantics.space.vectors import Vector
-from ...semantics.step import step, stopped, told
+from ...semantics.step import apply_given_draws, outcome_of_problem, step
 from ...semantics.store.errors import NeedsElements, OutOfTime
 from ...semantics.store.generators import EXHAUSTED, Generator
 from ...semantics.store.scenic_classes import ScenicClass
@@ -60,7 +60,7 @@ from ...semantics.syntax.nodes import Expression, Node
 from ..actions import ACTIONS
 from . import host_calls
 from .fallback import LeftToMachine
-from .host_calls import KNOWN, NUMBERS, SHORT_LIST, SLOWLY, SMALL, NativeMethod, attempted, equation, is_known
+from .host_calls import KNOWN, NUMBERS, SHORT_LIST, SLOWLY, SMALL, NativeMethod, attempt_host_call, equation, is_known
 
 if TYPE_CHECKING:
     from .compiled_library import Library
@@ -175,11 +175,11 @@ class Equations:
         *before, last = values
         frame = Premises(node, [None] * len(values), len(before), tuple(before), conclude)
         try:
-            outcome = told(conclude(node, values, base, state), state)
+            outcome = apply_given_draws(conclude(node, values, base, state), state)
         except NeedsElements:  # those of a generator, which the machine computes
             return self.settled(step, taken_over(Config(Value(last), (frame, base), state)), base)
         except Exception as problem:
-            outcome = told(stopped(problem, Config(Value(last), (frame, base), state)), state)
+            outcome = apply_given_draws(outcome_of_problem(problem, Config(Value(last), (frame, base), state)), state)
         if type(outcome) is Draw:
             outcome = self.answered(outcome)
         if type(outcome) is Next and outcome.config.stack is base and type(outcome.config.control) is Value:
@@ -226,14 +226,14 @@ class Equations:
             return left * right
         elif type(left) is list and type(right) is list and node.operator == "+" and len(left) + len(right) < SHORT_TEXT:
             return left + right
-        return plain(self.concluded(scope, conclude_binary, node, [left, right]))
+        return value_in_run(self.concluded(scope, conclude_binary, node, [left, right]))
 
     def power(self, scope: Scope, node: p.BinaryOperation, base: float, exponent: float) -> Any:
         """x ** y of a float, which is positive or has a whole number above it."""
         try:
             return base**exponent
         except OverflowError:
-            return plain(self.concluded(scope, conclude_binary, node, [base, exponent]))
+            return value_in_run(self.concluded(scope, conclude_binary, node, [base, exponent]))
 
     def unary(self, scope: Scope, node: p.UnaryOperation, operand: Any) -> Any:
         """⟨⊖E⟩ → ⊖v."""
@@ -241,7 +241,7 @@ class Equations:
             return -operand
         if node.operator == "not" and type(operand) is bool:
             return not operand
-        return plain(self.concluded(scope, conclude_unary, node, [operand]))
+        return value_in_run(self.concluded(scope, conclude_unary, node, [operand]))
 
     def comparison(self, scope: Scope, node: p.Comparison, left: Any, right: Any) -> Any:
         """⟨E1 < E2⟩ → v1 < v2."""
@@ -256,7 +256,7 @@ class Equations:
                 found = self.equated(node, IN_EQUATIONS, (left, right))
             if found is not MISSING:
                 return found if node.operators[0] == "in" else not found
-        return plain(self.concluded(scope, conclude_comparison, node, [(), left, right]))
+        return value_in_run(self.concluded(scope, conclude_comparison, node, [(), left, right]))
 
     def lies_in(self, one: Instance, region: Region) -> Any:
         """Whether an object lies in a region, as `operators.object_is_in` says; MISSING where that is for the machine to say."""
@@ -279,12 +279,12 @@ class Equations:
             if type(one) is Vector and type(other) is Vector:
                 return distance(one, other)
         found = self.equated(node, equations_of(node, self.state.reading("oriented-offset"), self.state.reading("angle")), operands)
-        return plain(self.concluded(scope, apply_operator, node, list(operands))) if found is MISSING else found
+        return value_in_run(self.concluded(scope, apply_operator, node, list(operands))) if found is MISSING else found
 
     def side(self, scope: Scope, node: SideOf, subject: Any) -> Any:
         """`front of O` and its seven siblings."""
         found = self.equated(node, (SIDES[node.side],), (subject,))
-        return plain(self.concluded(scope, apply_side, node, [subject])) if found is MISSING else found
+        return value_in_run(self.concluded(scope, apply_side, node, [subject])) if found is MISSING else found
 
     def equated(self, node: Node, equations: Sequence[Equation], operands: Sequence[Any]) -> Any:
         """The right-hand side of the equation for operands of these kinds; MISSING where that is for the machine to say."""
@@ -315,14 +315,14 @@ class Equations:
 
     def is_true(self, scope: Scope, result: Any, node: Expression) -> bool:
         """The truth of a condition that decides control flow."""
-        return truth(plain(result), node, self.here(scope), "this condition")
+        return truth(value_in_run(result), node, self.here(scope), "this condition")
 
     def holds(self, scope: Scope, result: Any, node: Expression) -> bool:
         """Whether a condition of a requirement, guard, interrupt or end holds."""
-        inner = plain(result)
+        inner = value_in_run(result)
         if inner is True or inner is False:
             return inner
-        return bool(holding(inner, node.span, self.here(scope), "a condition", ""))
+        return bool(condition_truth(inner, node.span, self.here(scope), "a condition", ""))
 
     def turn(self, nodes: int = OF_BEHAVIOR) -> None:
         """A loop goes back, or a function, behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
@@ -365,7 +365,7 @@ class Calls(Equations):
             try:
                 return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
             finally:
-                self.library.nanoseconds[name_of(function)] += time.thread_time_ns() - begun
+                self.library.nanoseconds[function_report_name(function)] += time.thread_time_ns() - begun
         calls, known = self.calls, code.names
         if calls >= MOST_CALLS:
             return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
@@ -394,7 +394,7 @@ class Calls(Equations):
         if door.depth >= DEEPEST_CALLS:
             return SLOWLY
         before, choose, price = self.state, self.choose, self.price
-        self.choose, self.price = refused, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))
+        self.choose, self.price = refuse_property_draw, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))
         self.calls += 1
         door.depth += 1
         try:
@@ -431,7 +431,7 @@ class Calls(Equations):
             found = self.own_attribute(subject, node)
         else:
             found = host_calls.attribute(subject, node.name)
-        return plain(self.concluded(scope, conclude_attribute, node, [subject]) if found is SLOWLY else found)
+        return value_in_run(self.concluded(scope, conclude_attribute, node, [subject]) if found is SLOWLY else found)
 
     def own_attribute(self, subject: Any, node: p.Attribute) -> Any:
         """⟨E.name⟩ of an instance of a Python class of the program; `SLOWLY` where that is for the machine to say."""
@@ -455,7 +455,7 @@ class Calls(Equations):
         if is_user_made(subject) and not isinstance(subject, (type, BaseException)) and not is_hidden(name) and not name.startswith("__"):
             own = getattr(subject, "__dict__", None)
             if type(own) is dict and not hasattr(type(class_member(type(subject), name)), "__set__") and not issubclass(type(subject), Enum):
-                own[name] = plain(result)
+                own[name] = value_in_run(result)
                 return
         self.assigned(scope, node, result)
 
@@ -477,8 +477,8 @@ class Calls(Equations):
         if kind is Dynamic:
             return invocation(function, arguments, dict(zip(names, named)))
         if kind is type and function in ACTION_TYPES:
-            given: list[Any] = [plain(a) for a in arguments]
-            more: dict[str, Any] = {name: plain(v) for name, v in zip(names, named)}
+            given: list[Any] = [value_in_run(a) for a in arguments]
+            more: dict[str, Any] = {name: value_in_run(v) for name, v in zip(names, named)}
             if all(type(a) in PLAIN for a in (*given, *more.values())):
                 return function(*given, **more)
         else:
@@ -491,7 +491,7 @@ class Calls(Equations):
         """⟨E.name(E_1, ..., E_n)⟩, where ⟨E⟩ → `subject`."""
         if type(function) is NativeMethod:
             if KNOWN.issuperset(map(type, arguments)):
-                found = attempted(function.function, (subject, *arguments), NOTHING)
+                found = attempt_host_call(function.function, (subject, *arguments), NOTHING)
                 if found is not SLOWLY:
                     return found
             function = getattr(subject, function.name)
@@ -507,10 +507,10 @@ class Calls(Equations):
 
     def object_or_value(self, scope: Scope, node: ObjectOrValue, head: Any) -> Any:
         """The object of a Scenic class, made by the machine; any other value as it is."""
-        if type(plain(head)) is not ScenicClass:
+        if type(value_in_run(head)) is not ScenicClass:
             return head
         base = self.base(scope)
-        return self.settled(step, taken_over(Config(Value(plain(head)), (ClassOf(node), base), self.here(scope))), base)
+        return self.settled(step, taken_over(Config(Value(value_in_run(head)), (ClassOf(node), base), self.here(scope))), base)
 
     def discarded(self, scope: Scope, node: s.ExpressionStatement, result: Any) -> None:
         """⟨E⟩ for its effect. Raises `LeftToMachine` for what alone does nothing."""
@@ -547,7 +547,7 @@ class Calls(Equations):
                     base = self.base(scope)
                     item = self.settled(step, taken_over(pull(source, base, self.here(scope)).config), base)
                 else:
-                    item, source = taken(source, self.here(scope))
+                    item, source = take_element(source, self.here(scope))
                 if item is EXHAUSTED:
                     return
                 yield item
@@ -565,7 +565,7 @@ class Calls(Equations):
     def container(self, scope: Scope, kind: str, found: list[Any]) -> Any:
         """The set or dictionary of what a comprehension found."""
         try:
-            return plain(container(Set if kind == "set" else dict, found, self.here(scope)))
+            return value_in_run(container(Set if kind == "set" else dict, found, self.here(scope)))
         except HostException:
             raise LeftToMachine("an error of the program") from None
 
@@ -618,12 +618,12 @@ def class_member(class_: type, name: str) -> Any:
     return next((vars(one)[name] for one in class_.__mro__ if name in vars(one)), None)
 
 
-def name_of(function: Function) -> str:
+def function_report_name(function: Function) -> str:
     """A function in a report."""
     return f"{function.name} (line {function.span.line})"
 
 
-def refused(drawn: object) -> NoReturn:
+def refuse_property_draw(drawn: object) -> NoReturn:
     """A draw where there may be none, which the machine says."""
     raise LeftToMachine("a draw in a property")
 

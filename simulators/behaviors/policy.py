@@ -10,13 +10,13 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ...interpreter.runtime.process_sandbox import within
+from ...interpreter.runtime.process_sandbox import guard_run
 from ...interpreter.runtime.program_run import DEFAULT_FUEL, Chooser, Witness
 from ...semantics.dynamics import policy as rules
 from ...semantics.dynamics.coroutines import DYNAMIC, Ended, Yielded, address_of
 from ...semantics.dynamics.guards import at_top_level, opening_guards
 from ...semantics.dynamics.interrupts import run_for_one_step
-from ...semantics.dynamics.invocations import doing, with_arguments
+from ...semantics.dynamics.invocations import describe_behaviors, with_arguments
 from ...semantics.dynamics.temporal_requirements import CONDITIONS, over_time
 from ...semantics.machine.config import Config, Stack, State, Value
 from ...semantics.machine.outcome import Act, Finish, Outcome, Requirement, Stuck
@@ -28,13 +28,13 @@ from ...semantics.machine.simulation_state import (
     Running,
     Suspended,
     Who,
-    flagged,
+    flag_end,
     has_passed,
     simulation_of,
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ...semantics.machine.values import Dynamic, Instance, plain
+from ...semantics.machine.values import Dynamic, Instance, value_in_run
 from ...semantics.step import step as machine_step
 from ...semantics.store.errors import FuelExhausted, GuardViolation
 from ...semantics.store.scopes import ByIdentity
@@ -83,7 +83,7 @@ class CompiledPolicy(Courses):
         self.in_steps = state.reading("time-unit") == "steps"
         self.stops = state.reading("behaviors-after-terminate") == "stop"
 
-    @within
+    @guard_run
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
         """What happens in a time step, as `policy.policy` says it, in a state whose objects the simulator has updated.
 
@@ -144,7 +144,7 @@ class CompiledPolicy(Courses):
             self.by_machine(Value(None), rules.Step(1), 2)  # which looks anew at which scenarios are active
             return
         if top.over:
-            self.state = flagged("a monitor executed `terminate`", self.state)
+            self.state = flag_end("a monitor executed `terminate`", self.state)
             return
         if not top.ran:
             self.state = with_scenario(self.state, top._replace(ran=True))
@@ -153,7 +153,7 @@ class CompiledPolicy(Courses):
                 self.requirement(TOP, place, declared)
         reason = self.termination(top) if top.terminations else ""
         if reason:
-            self.state = flagged(reason, self.state)
+            self.state = flag_end(reason, self.state)
 
     def own(self) -> State:
         """The state in which the policy goes on, where coroutines have left theirs."""
@@ -185,7 +185,7 @@ class CompiledPolicy(Courses):
             reason = f"the termination condition on line {node.span.line} is true"
             if not node.simulation:
                 return reason
-            self.state = flagged(reason, self.state)
+            self.state = flag_end(reason, self.state)
         return ""
 
     def evaluated(self, who: Who, node: Node, declared: Declared, *, decides: bool) -> Any:
@@ -227,7 +227,7 @@ class CompiledPolicy(Courses):
         node = declared.node
         assert isinstance(node, d.Record)
         value = self.evaluated(Who("condition", number, 2 * CONDITIONS + 2 * place), node.value, declared, decides=False)
-        self.state = rules.record(node, value, (), self.state).config.state  # type: ignore[union-attr]
+        self.state = rules.conclude_record(node, value, (), self.state).config.state  # type: ignore[union-attr]
 
     def monitors(self) -> None:
         """Step 3."""
@@ -238,7 +238,7 @@ class CompiledPolicy(Courses):
         there = simulation_of(self.state).scenarios
         for running in there.values():
             if running.over:
-                left = {n: r for n, r in there.items() if not r.over or rules.unchecked(r)}
+                left = {n: r for n, r in there.items() if not r.over or rules.has_unreported_eventually(r)}
                 self.state = with_simulation(self.state, scenarios=left)
                 return
 
@@ -277,7 +277,7 @@ class CompiledPolicy(Courses):
         simulation = simulation_of(self.state)
         if not (simulation.flag or simulation.limit):
             return None
-        outcome = rules.ended(rules.Step(4), rule, (), self.state)
+        outcome = rules.end_or_advance(rules.Step(4), rule, (), self.state)
         assert isinstance(outcome, (Finish, Stuck))
         return outcome
 
@@ -288,7 +288,7 @@ class CompiledPolicy(Courses):
         changed = False
         for instance in self.state.scene:
             number = instance.number
-            behavior = plain(self.state.objects[number].get("behavior"))
+            behavior = value_in_run(self.state.objects[number].get("behavior"))
             if behavior is None:
                 continue
             agent = agents.get(number)
@@ -310,7 +310,7 @@ class CompiledPolicy(Courses):
                 changed = True
                 agents[number] = Agent(instance, None, ended=True)
                 if taken is TERMINATED:
-                    self.state = flagged(f"the behavior of {instance!r} executed `terminate`", self.state)
+                    self.state = flag_end(f"the behavior of {instance!r} executed `terminate`", self.state)
             elif taken:
                 actions[number] = taken
             if self.stops and simulation_of(self.state).flag:
@@ -373,7 +373,7 @@ class CompiledPolicy(Courses):
             if type(process) is CompiledCourse:
                 leaf, node = process.leaf, process.node
                 found[number] = leaf.doing(node)  # type: ignore[union-attr]
-            elif text := doing(agent):
+            elif text := describe_behaviors(agent):
                 found[number] = text
         if state.version.undo:  # arguments may have changed something when they were written out
             state.version.versions.go_to(state.version)

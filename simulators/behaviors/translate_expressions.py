@@ -140,7 +140,7 @@ class Expressions:
         outer, self.indent = self.indent, self.indent + 1
         self.line(f"S = q.inner_scope({self.constant(node)}, S)")
         self.line(f"{variables}, {found} = S.bindings, []")
-        size = size_of(node)
+        size = syntax_size(node)
         for clause in node.clauses:
             items = source if clause is node.clauses[0] else self.iterable(clause.iterable)
             element = self.temporary()
@@ -356,6 +356,6 @@ TRANSLATED = frozenset({
 })  # fmt: skip
 
 
-def size_of(*nodes: Node) -> int:
+def syntax_size(*nodes: Node) -> int:
     """How many nodes of the syntax tree stand in these."""
     return sum(1 for node in nodes for _ in descendants(node))

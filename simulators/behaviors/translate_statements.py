@@ -24,7 +24,7 @@ from ...semantics.syntax.nodes import Expression, Node
 from .fallback import Untranslated
 from .host_calls import METHODS, NUMBERS, OPEN
 from .operations import ACTION_TYPES, PLAIN, Raised
-from .translate_expressions import Expressions, size_of
+from .translate_expressions import Expressions, syntax_size
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
@@ -158,7 +158,7 @@ class Statements(Expressions):
         self.loops += 1
         if not passes_time(node.body):
             head = node.test if isinstance(node, s.While) else node.target
-            self.line(f"    q.turn({size_of(head, *node.body)})")
+            self.line(f"    q.turn({syntax_size(head, *node.body)})")
         self.block(node.body)
         self.loops -= 1
         if node.otherwise:
@@ -421,7 +421,7 @@ def coroutine(
     source.block(body)
     source.line("    return")
     source.line("    yield")
-    return made(source, "coroutine", body[0])
+    return define_function(source, "coroutine", body[0])
 
 
 def condition(
@@ -437,7 +437,7 @@ def condition(
     source.line("def condition(q, S):")
     source.line(f"    {SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else 'B = S.bindings'}")
     source.returned(lambda: source.holds(node) if decides else source.value(node))
-    return made(source, "condition", node)
+    return define_function(source, "condition", node)
 
 
 def function_body(body: s.Block | Node, names: Names, readings: Mapping[str, str], scopes: str) -> Callable[[Any, Any], Any]:
@@ -451,12 +451,12 @@ def function_body(body: s.Block | Node, names: Names, readings: Mapping[str, str
     source.line(f"    {scopes or 'B = S.bindings'}")
     if isinstance(body, tuple):
         source.block(body)
-        return made(source, "body", body[0])
+        return define_function(source, "body", body[0])
     source.returned(lambda: source.carried(body))
-    return made(source, "body", body)
+    return define_function(source, "body", body)
 
 
-def made(source: Expressions, name: str, node: Node) -> Callable[..., Any]:
+def define_function(source: Expressions, name: str, node: Node) -> Callable[..., Any]:
     """The function of that name which a source defines. Raises `Untranslated` for nesting that Python does not have."""
     scope: dict[str, Any] = {**NAMES, "ExceptClause": ExceptClause, **source.constants}
     text = "\n".join(source.lines)

@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
-from ...semantics.space.boundaries import united, without
+from ...semantics.space.boundaries import unite_shapes, without
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, PolylineRegion
 
@@ -89,7 +89,7 @@ def city() -> City:
     """The city; made once."""
     roads = tuple(_roads())
     cells = tuple(cell for road in roads for cell in road.cells)
-    union = united([polygon for polygon, _ in cells])
+    union = unite_shapes([polygon for polygon, _ in cells])
     closed = union.buffer(SLIT / 2, join_style="mitre").buffer(-SLIT / 2, join_style="mitre")  # no slits between roads that cross
     assert isinstance(closed, (Polygon, MultiPolygon))
     return City(cells, closed, tuple(_cut_curbs(roads)))
@@ -106,10 +106,10 @@ def _roads() -> Iterator[CityRoad]:
     for line in EAST_WEST_STREETS:
         yield _two_way(_north_south(line, swap=True), lanes=1)
     for i, j in RAMP_JUNCTIONS:
-        yield _ramp(*_crossing(NORTH_SOUTH_AVENUES[i], EAST_WEST_AVENUES[j]))
+        yield _ramp(*_crossing_point(NORTH_SOUTH_AVENUES[i], EAST_WEST_AVENUES[j]))
 
 
-def _winding(line: tuple[float, float, float, float], along: np.ndarray) -> np.ndarray:
+def _winding_coordinate(line: tuple[float, float, float, float], along: np.ndarray) -> np.ndarray:
     """The coordinate across the road where the coordinate along it is `along`."""
     middle, amplitude, wave, start = line
     return middle + amplitude * np.sin(2 * math.pi * (along / wave + start))
@@ -119,7 +119,7 @@ def _north_south(line: tuple[float, float, float, float], *, swap: bool = False)
     """A centre line, (n, 2), from South to North; from West to East if `swap`."""
     low, high = (WEST, EAST) if swap else (SOUTH, NORTH)
     along = np.linspace(low, high, round((high - low) / STEP) + 1)
-    across = _winding(line, along)
+    across = _winding_coordinate(line, along)
     return np.stack([along, across] if swap else [across, along], axis=1)
 
 
@@ -131,13 +131,13 @@ def _bezier(control: tuple[tuple[float, float], ...]) -> np.ndarray:
     return (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t * t * (1 - t) * c + t**3 * d
 
 
-def _crossing(
+def _crossing_point(
     north_south: tuple[float, float, float, float], east_west: tuple[float, float, float, float]
 ) -> tuple[float, float]:  # fmt: skip
     """Where two centre lines cross, by iteration (both are nearly straight)."""
     x, y = np.array(north_south[0]), np.array(east_west[0])
     for _ in range(20):
-        x, y = _winding(north_south, y), _winding(east_west, x)
+        x, y = _winding_coordinate(north_south, y), _winding_coordinate(east_west, x)
     return float(x), float(y)
 
 
@@ -186,6 +186,6 @@ def _cut_curbs(roads: tuple[CityRoad, ...]) -> Iterator[LineString]:
     tree = shapely.STRtree(outlines)
     for number, road in enumerate(roads):
         for curb in road.curbs:
-            others = united([outlines[i] for i in tree.query(curb, predicate="intersects") if i != number])
+            others = unite_shapes([outlines[i] for i in tree.query(curb, predicate="intersects") if i != number])
             pieces = shapely.get_parts(without(curb, others))
             yield from (piece for piece in pieces if piece.length >= SHORTEST_CURB)

@@ -14,7 +14,7 @@ from ...semantics.syntax.nodes import NOWHERE, Span
 from ...semantics.syntax.python_expressions import Constant
 from ...semantics.syntax.statements import Param
 from .driving import map_of
-from .driving.named_maps import beside
+from .driving.named_maps import beside_program_hint
 
 MODEL = "site_map"
 CRS = "map_crs"
@@ -60,7 +60,7 @@ def site_of(program: Program, params: Mapping[str, object], directory: Path | No
     try:
         return read_site(path, crs)
     except ScenicError as problem:
-        return ImportRefused(problem.message, span, hint=beside(path, directory) or problem.hint)
+        return ImportRefused(problem.message, span, hint=beside_program_hint(path, directory) or problem.hint)
 
 
 def crs_of(program: Program, params: Mapping[str, object]) -> tuple[object, Span]:

@@ -12,7 +12,7 @@ from scenic_ref.inference.batch import Batch, NotLifted, block_rejection
 from scenic_ref.inference.batch.block_rejection import BlockDrawing
 from scenic_ref.inference.batch.factorised_rejection import Component, components, obstacle, worthwhile
 from scenic_ref.inference.batch.graph import Site
-from scenic_ref.inference.batch.tracing import trace
+from scenic_ref.inference.batch.tracing import trace_program
 from scenic_ref.inference.comparison.exact_laws import Categorical, evidence
 from scenic_ref.inference.enumeration import content_of_scene
 from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError
@@ -53,7 +53,7 @@ def factorised(scenario: Scenario) -> Batch:
 def graph_of(text: str):
     scenario = scenic_ref.loads(text)
     scenario.rehearse()
-    return trace(scenario.start, scenario.fuel)[0]
+    return trace_program(scenario.start, scenario.fuel)[0]
 
 
 def against_the_law(batch: Batch, scenario: Scenario, count: int) -> float:

@@ -88,7 +88,7 @@ def test_of_many_objects_the_runs_in_which_others_may_collide_are_left(name: str
 
 @pytest.mark.parametrize("name, property", [("visible or need not be", "requireVisible"), ("apart or need not be", "allowCollisions")])
 def test_a_requirement_that_cannot_be_turned_off_is_found_out(name: str, property: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    as_it_is = default_requirements.number
+    as_it_is = default_requirements.to_floats
     fixed = 1.0 if property == "requireVisible" else 0.0
-    monkeypatch.setattr(default_requirements, "number", lambda value: fixed if isinstance(value, Symbol) else as_it_is(value))
+    monkeypatch.setattr(default_requirements, "to_floats", lambda value: fixed if isinstance(value, Symbol) else as_it_is(value))
     assert told(name, "batch") != told(name, "interpreter")

@@ -8,7 +8,7 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.generator import random_programs
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import Rejected, run
+from scenic_ref.interpreter.runtime.program_run import Rejected, generate_scene
 from scenic_ref.semantics.store.errors import AttemptsExhausted, ScenicError
 
 EGO = "ego = Object at (0, 0)\n"
@@ -80,7 +80,7 @@ def test_random_programs_that_are_said_to_have_no_scene_have_none():
         said += 1
         for attempt in range(40):
             try:
-                found = run(scenario.start(), from_stream(1, 0, attempt))
+                found = generate_scene(scenario.start(), from_stream(1, 0, attempt))
             except ScenicError:
                 continue
             assert isinstance(found, Rejected), program.text

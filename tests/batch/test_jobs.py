@@ -23,7 +23,7 @@ from scenic_ref.data.typed_columns import JSON, TEXT, TypedColumn, in_first_orde
 from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.block_tables import Tables
 from scenic_ref.inference.batch.jobs.scene_lines import PACE_KNOWN, Lines, lines_of
-from scenic_ref.inference.batch.jobs.worker_pools import Pace, block_of, in_order, uninterrupted
+from scenic_ref.inference.batch.jobs.worker_pools import Pace, block_of, delay_interrupts, run_jobs_in_order
 from scenic_ref.semantics.store.errors import AttemptsExhausted
 
 SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s in (".parquet", ".arrow") else ()) for s in ALL]
@@ -175,7 +175,7 @@ def test_results_come_in_order_and_few_jobs_are_under_way():
         return job
 
     with ThreadPoolExecutor(4) as pool:
-        for result in in_order(pool, work, range(40), 5):
+        for result in run_jobs_in_order(pool, work, range(40), 5):
             given.append(result)
     assert given == list(range(40))
 
@@ -193,7 +193,7 @@ def test_results_that_are_there_when_nobody_asks_for_more_are_not_lost():
 
     unread: list[object] = []
     with ThreadPoolExecutor(3) as pool:
-        found = in_order(pool, work, range(4), 4, unread)
+        found = run_jobs_in_order(pool, work, range(4), 4, unread)
         assert next(found) == 0
         others.wait()
         wait(list(found.gi_frame.f_locals["waiting"])[1:])
@@ -207,7 +207,7 @@ def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
         return 1 // (3 - job)
 
     with ThreadPoolExecutor(2) as pool:
-        found = in_order(pool, work, range(100), 4)
+        found = run_jobs_in_order(pool, work, range(100), 4)
         assert [next(found) for _ in range(3)] == [0, 0, 1]
         with pytest.raises(ZeroDivisionError):
             next(found)
@@ -313,7 +313,7 @@ def test_an_interrupt_waits_whichever_thread_the_system_tells_of_it():
     teller.start()  # before, since it would inherit that nobody tells it
     done: list[str] = []
     try:
-        with pytest.raises(KeyboardInterrupt), uninterrupted():
+        with pytest.raises(KeyboardInterrupt), delay_interrupts():
             begun.set()
             teller.join()
             done.append("after the interrupt")

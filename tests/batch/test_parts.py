@@ -10,15 +10,15 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.inference.batch.evaluation_plan import plan, segments
-from scenic_ref.inference.batch.graph import GraphNode, Site, bounds_of, decided
+from scenic_ref.inference.batch.graph import GraphNode, Site, bounds_of, decide_comparison
 from scenic_ref.inference.batch.graph_builder import Recorder
 from scenic_ref.inference.batch.numpy_evaluator import ACCEPTED, LEFT, evaluate
 from scenic_ref.inference.batch.primitives.drawn_points import CurveTests
 from scenic_ref.inference.batch.primitives.point_in_polygon import FieldTests, PolygonTests
 from scenic_ref.inference.batch.primitives.random_numbers import Numbers
-from scenic_ref.inference.batch.tracing import trace
+from scenic_ref.inference.batch.tracing import trace_program
 from scenic_ref.interpreter.runtime.answerers import PER_SCENE
-from scenic_ref.interpreter.runtime.random_streams import Stream, philox
+from scenic_ref.interpreter.runtime.random_streams import Stream, philox_words
 from scenic_ref.semantics.space.numeric_functions import arc_tangent, either, every, larger, search
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
 from scenic_ref.semantics.space.regions.approximation import box_shape
@@ -62,9 +62,9 @@ def test_columns_of_numbers_are_those_of_the_streams(seed, rows):
 @pytest.mark.parametrize("key", [(0, 0), (5, 2**64 - 1)])
 @pytest.mark.parametrize("counter", [(0, 0, 0), (2**64 - 1, 3, 1), (17, PER_SCENE, 4)])
 def test_compiled_numbers_are_those_of_the_streams(key, counter):
-    from scenic_ref.inference.batch.primitives.numba_kernels import philox as compiled
+    from scenic_ref.inference.batch.primitives.numba_kernels import philox_uniforms as compiled
 
-    words = philox(key, (*counter, 0))
+    words = philox_words(key, (*counter, 0))
     assert compiled(*map(np.uint64, (*key, *counter))) == tuple((word >> 11) * 2.0**-53 for word in words)
 
 
@@ -111,13 +111,13 @@ def test_bounds_hold(symbols):
 
 def test_comparisons_within_bounds_are_decided():
     half = GraphNode(0, None, (), "float", 0.1, (0.0, 0.5))
-    assert decided(np.less, (half, 0.6)) is True
-    assert decided(np.less, (half, 0.5)) is None
-    assert decided(np.less_equal, (half, 0.5)) is True
-    assert decided(np.greater, (half, 0.5)) is False
-    assert decided(np.equal, (half, 0.7)) is False
-    assert decided(np.less, (half, math.inf)) is True
-    assert decided(np.less, (GraphNode(0, None, (), "float", 0.1), math.inf)) is None
+    assert decide_comparison(np.less, (half, 0.6)) is True
+    assert decide_comparison(np.less, (half, 0.5)) is None
+    assert decide_comparison(np.less_equal, (half, 0.5)) is True
+    assert decide_comparison(np.greater, (half, 0.5)) is False
+    assert decide_comparison(np.equal, (half, 0.7)) is False
+    assert decide_comparison(np.less, (half, math.inf)) is True
+    assert decide_comparison(np.less, (GraphNode(0, None, (), "float", 0.1), math.inf)) is None
 
 
 def test_a_guard_says_what_was_so_in_the_traced_run(symbols):
@@ -169,7 +169,7 @@ PROGRAM = "a = Range(0, 1)\nb = Range(0, 1)\nrequire a * a * a < b * b * b * b\n
 def graph_of(text: str):
     scenario = scenic_ref.loads(text)
     scenario.rehearse()
-    return trace(scenario.start, scenario.fuel)
+    return trace_program(scenario.start, scenario.fuel)
 
 
 def test_cheap_requirements_come_first_but_none_passes_a_guard():

@@ -24,12 +24,12 @@ WAYS = ["nameless", "named"]
 WRITING = """
 import signal, sys, time
 from pathlib import Path
-from scenic_ref.data import whole_files
+from scenic_ref.interpreter.runtime import atomic_files
 if hasattr(signal, "SIGHUP"):
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whoever started the tests may have it ignored
 if sys.argv[1] == "named":
-    whole_files.NAMELESS = 0
-with whole_files.whole_file(Path("o.npz")) as file:
+    atomic_files.NAMELESS = 0
+with atomic_files.whole_file(Path("o.npz")) as file:
     file.write(b"half")
     file.flush()
     print("now", flush=True)

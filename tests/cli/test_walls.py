@@ -13,7 +13,7 @@ from threading import Barrier
 
 import pytest
 from scenic_ref.interpreter.runtime.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
-from scenic_ref.interpreter.runtime.process_sandbox import RUNNING, WALL, within
+from scenic_ref.interpreter.runtime.process_sandbox import RUNNING, WALL, guard_run
 from scenic_ref.semantics.store.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")
@@ -134,13 +134,13 @@ def test_what_a_program_runs_in_one_thread_is_no_fault_of_another():
     try:
         with ThreadPoolExecutor(2) as threads:
             met = Barrier(2)
-            running = threads.submit(within(lambda: (met.wait(60), met.wait(60))))
+            running = threads.submit(guard_run(lambda: (met.wait(60), met.wait(60))))
             met.wait(60)
             assert threads.submit(os.putenv, "SCENIC_REF_A_TEST", "1").result() is None
             met.wait(60)
             running.result()
         with pytest.raises(PermissionError, match=r"os\.putenv"):
-            within(os.putenv)("SCENIC_REF_A_TEST", "1")
+            guard_run(os.putenv)("SCENIC_REF_A_TEST", "1")
     finally:
         WALL.open()
 
@@ -148,7 +148,7 @@ def test_what_a_program_runs_in_one_thread_is_no_fault_of_another():
 @posix
 def test_the_guard_is_as_before_wherever_an_interrupt_comes():
     """What is caught holds the frames that it went through, as the commands do that finish their files after Ctrl-C."""
-    outer, inner, caught, left = within(lambda run: run()), within(lambda: None), [], 0
+    outer, inner, caught, left = guard_run(lambda run: run()), guard_run(lambda: None), [], 0
     before = signal.getsignal(signal.SIGALRM)
     signal.signal(signal.SIGALRM, signal.default_int_handler)
     WALL.build(Limits(None, 60))

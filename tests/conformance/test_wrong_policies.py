@@ -113,7 +113,7 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
         ("outer-interrupts-take-precedence", "outer-interrupts-suspend-inner-handlers"),
     ),
     "overrides are never reverted": (
-        replaced(endings, "reverted", lambda override, number, state: state),
+        replaced(endings, "revert_override", lambda override, number, state: state),
         ("override-of-a-property", "override-of-a-behavior", "nested-overrides", "override-ends-with-an-aborted-scenario"),
     ),
     "preconditions are ignored by do choose": (

@@ -70,12 +70,12 @@ FAULTS = (
         (
             Edit(
                 "semantics/scenes/statements.py",
-                '    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))\n',
+                '    return finish_statement("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))\n',
                 "    from .termination import apply_termination_rules\n\n    return apply_termination_rules(stack, state)\n",
             ),
             Edit(
-                "semantics/dynamics/initial_scenario.py", "    return apply_termination_rules(stack, in_order(state))\n",
-                "    from ..kernel.config import PASS, Config\n    from ..kernel.outcome import Next\n    from ..scenes.termination import Late\n\n"
+                "semantics/dynamics/initial_scenario.py", "    return apply_termination_rules(stack, order_scene_objects(state))\n",
+                "    from ..machine.config import PASS, Config\n    from ..machine.outcome import Next\n    from ..scenes.termination import Late\n\n"
                 '    return Next("T-Mutate", Config(PASS, (Late(0, 0), stack), state))\n',
             ),
             Edit(
@@ -134,7 +134,7 @@ FAULTS = (
     ),
     Fault(
         "a requirement dropped",
-        (Edit("semantics/scenes/default_requirements.py", "    return negation(every([*(number(", "    return True or negation(every([*(number("),),
+        (Edit("semantics/scenes/default_requirements.py", "    return negation(every([*(to_floats(", "    return True or negation(every([*(to_floats("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
         ("collision", "collision-conditions-the-distribution"),
     ),

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Iterator
 
 import scenic_ref
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import Accepted, run
+from scenic_ref.interpreter.runtime.program_run import Accepted, generate_scene
 from scenic_ref.semantics.machine import sandbox_table
 from scenic_ref.semantics.machine.config import Config, State, Value
 from scenic_ref.semantics.machine.host_calls import DoorStuck, HostException
 from scenic_ref.semantics.machine.outcome import Draw, Fault, Next, Observe
-from scenic_ref.semantics.machine.values import Bound, Function, Method, Native, Random, plain
+from scenic_ref.semantics.machine.values import Bound, Function, Method, Native, Random, value_in_run
 from scenic_ref.semantics.python import calls
 from scenic_ref.semantics.python.expressions import elements, get_attribute, get_item
 from scenic_ref.semantics.step import step
@@ -163,7 +163,7 @@ MORE = [(1, 2, 3), ('a', 'b', 'c'), ((0, 0), 1, 2), (Plain(), 'a', 1), (spy, [1]
 def started() -> State:
     """The state after a program that holds a value of each kind, and the typical arguments of calls."""
     scenario = scenic_ref.loads(KINDS + TYPICAL)
-    ended = run(scenario.start(), from_stream(0, 0, 0))
+    ended = generate_scene(scenario.start(), from_stream(0, 0, 0))
     assert isinstance(ended, Accepted)
     return ended.state
 
@@ -247,7 +247,7 @@ class Crawl:
 
     def reached(self, value: object) -> Iterator[tuple[str, object]]:
         """The ways that lead on from a value, and where."""
-        inner = plain(value)
+        inner = value_in_run(value)
         for name in {*self.names, *dir(type(inner)), *(dir(inner) if isinstance(inner, type) else ())}:
             yield from self.tried(f".{name}", lambda name=name: get_attribute(inner, p.Attribute(value=p.Constant(value=None), name=name), self.state))
         for index in (0, -1, "a", 1, None, "RED", slice(0, 1)):
@@ -307,7 +307,7 @@ INNARDS = sandbox_table.names(
 
 def signature_of(value: object) -> object:
     """What is taken for alike: the type, for functions and classes the name, for containers and random values the types inside."""
-    inner = plain(value)
+    inner = value_in_run(value)
     wrapped = type(value) is Random
     if isinstance(inner, type):
         return wrapped, "class", inner

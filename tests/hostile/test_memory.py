@@ -13,7 +13,7 @@ from scenic_ref.cli.error_messages import report_error
 from scenic_ref.cli.session import Session
 from scenic_ref.errors import ProgramError
 from scenic_ref.interpreter.runtime.limits import Limits
-from scenic_ref.interpreter.runtime.process_sandbox import WALL, timed
+from scenic_ref.interpreter.runtime.process_sandbox import WALL, limit_time
 from scenic_ref.roads.geodata import read_site
 from scenic_ref.semantics.machine.values import Native
 from scenic_ref.semantics.python import builtins
@@ -72,7 +72,7 @@ def test_geos_without_memory_is_an_error_within_the_walls(monkeypatch, capfd):
     WALL.build(Limits(None, 60))
     try:
         with pytest.raises(ProgramError, match="the program needs more memory than it may have"):
-            timed("reading a map")(no_memory)()
+            limit_time("reading a map")(no_memory)()
     finally:
         WALL.open()
     assert report_error(OF_GEOS, Session()) == 1

@@ -56,8 +56,8 @@ def test_chains_in_different_places_or_of_different_spread_do_not_agree() -> Non
 
 def test_independent_populations_are_worth_what_their_means_tell() -> None:
     draws = np.random.Generator(np.random.Philox(3)).standard_normal((1, 40, 1_000))
-    assert chain_diagnostics.nested(draws).rhat < 1.001
+    assert chain_diagnostics.diagnose_repetitions(draws).rhat < 1.001
     shifted = draws + np.random.Generator(np.random.Philox(4)).standard_normal((1, 40, 1)) * 0.5
-    assert chain_diagnostics.nested(shifted).bulk == pytest.approx(40 / 0.25, rel=0.6)
-    assert chain_diagnostics.nested(shifted).rhat > 1.08
-    assert chain_diagnostics.nested(np.ones((1, 4, 10))) == (1.0, 40.0, 40.0, 0)
+    assert chain_diagnostics.diagnose_repetitions(shifted).bulk == pytest.approx(40 / 0.25, rel=0.6)
+    assert chain_diagnostics.diagnose_repetitions(shifted).rhat > 1.08
+    assert chain_diagnostics.diagnose_repetitions(np.ones((1, 4, 10))) == (1.0, 40.0, 40.0, 0)

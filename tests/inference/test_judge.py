@@ -12,10 +12,10 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.comparison import compare
 from scenic_ref.inference.comparison.cells import Repeated
-from scenic_ref.inference.comparison.feature_names import SampleNames, matching
+from scenic_ref.inference.comparison.feature_names import SampleNames, feature_matcher
 from scenic_ref.inference.comparison.rounding import ROUNDINGS, Rounding
 from scenic_ref.inference.comparison.sample_files import Samples
-from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, features_table, stacked
+from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, features_table, stack_tables
 from scenic_ref.testing import same_distribution
 
 ROOT = Path(__file__).parents[2]
@@ -49,7 +49,7 @@ def programs() -> list[object]:
 def test_features_in_columns_are_those_of_the_scenes(file: Path | None):
     scenario = scenic_ref.loads(ODD) if file is None else scenic_ref.load(file)
     assert scenario.batch is not None or file is not None
-    one, other = features_table(scenario.sample_many(40, 3)), stacked(list(scenario.feature_tables(40, 3)))
+    one, other = features_table(scenario.sample_many(40, 3)), stack_tables(list(scenario.feature_tables(40, 3)))
     assert list(one.arrays) == list(other.arrays)
     for name, values in one.arrays.items():
         assert values.dtype == other.arrays[name].dtype
@@ -68,7 +68,7 @@ def test_supports_hold_in_scenes(file: Path | None):
 def test_scenes_of_different_forms_are_one_table():
     one = [{"objects": [{"position": [1, 2], "properties": {"v": 3}}]}, {"objects": []}]
     other = [{"objects": [{"position": [1, 2], "properties": {"v": "a", "w": [1, None]}}], "params": {"t": 1}}]
-    both = stacked([features_table(one), features_table(other)])
+    both = stack_tables([features_table(one), features_table(other)])
     np.testing.assert_array_equal(both.arrays["objects[0].properties.v"], [3.0, math.nan, math.nan])
     assert list(both.arrays["objects[0].properties.v where it is not a number"]) == ["(a number)", "(absent)", "a"]
     assert list(both.arrays["objects"]) == ["1", "0", "1"]
@@ -199,13 +199,13 @@ def test_depths_in_regions_have_the_sign_of_containment():
 def test_a_deviation_near_a_limit_is_found_by_what_the_program_suggests(right, wrong, n, worst):
     """The samples without these features are not told apart; those of the program itself are not different."""
     scenario, rival = scenic_ref.loads(right), scenic_ref.loads(wrong)
-    tables = stacked(list(rival.feature_tables(n, 3)))
-    verdict = compare(tables, stacked(list(scenario.feature_tables(n, 4))), facts=scenario.facts)
+    tables = stack_tables(list(rival.feature_tables(n, 3)))
+    verdict = compare(tables, stack_tables(list(scenario.feature_tables(n, 4))), facts=scenario.facts)
     assert verdict.kind == "different"
     assert worst in [f.name for f in verdict.features[:2]]
-    assert compare(tables, stacked(list(scenario.feature_tables(n, 4)))).kind == "inconclusive"
-    fresh = stacked(list(scenario.feature_tables(n, 5)))
-    assert compare(fresh, stacked(list(scenario.feature_tables(n, 4))), facts=scenario.facts).kind == "inconclusive"
+    assert compare(tables, stack_tables(list(scenario.feature_tables(n, 4)))).kind == "inconclusive"
+    fresh = stack_tables(list(scenario.feature_tables(n, 5)))
+    assert compare(fresh, stack_tables(list(scenario.feature_tables(n, 4))), facts=scenario.facts).kind == "inconclusive"
 
 
 # False alarms
@@ -236,8 +236,8 @@ def test_false_alarms_with_all_features_are_as_rare_as_stated():
     ],
 )  # fmt: skip
 def test_features_are_named_in_short_or_in_full(feature, yes, no):
-    assert matching(feature)(yes)
-    assert not matching(feature)(no)
+    assert feature_matcher(feature)(yes)
+    assert not feature_matcher(feature)(no)
 
 
 def test_a_mapped_name_keeps_what_is_below_it():

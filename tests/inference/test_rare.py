@@ -60,13 +60,13 @@ def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pyt
     scenario = scenic_ref.loads(RARE)
     right = scenario.infer("smc", 10, 1).acceptance
     assert right.low <= EXACT <= right.high
-    split = smc.split
+    split = smc.run_splitting
 
     def forgetful(*arguments: object, **keywords: object) -> tuple[list[smc.Population], Moves]:
         found, moves = split(*arguments, **keywords)  # type: ignore[arg-type]
         return [p._replace(levels=(p.levels[0], *p.levels[2:])) for p in found], moves
 
-    monkeypatch.setattr(smc, "split", forgetful)
+    monkeypatch.setattr(smc, "run_splitting", forgetful)
     wrong = scenario.infer("smc", 10, 1).acceptance
     assert 2.5 < wrong.estimate / right.estimate < 4.5
     assert not wrong.low <= EXACT <= wrong.high
@@ -77,7 +77,7 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
     seen: list[tuple[float, float]] = []
-    found, _ = smc.split(Target(batch, 1), 2, 300, np.random.Generator(np.random.Philox(1)), on_level=lambda *told: seen.append(told))
+    found, _ = smc.run_splitting(Target(batch, 1), 2, 300, np.random.Generator(np.random.Philox(1)), on_level=lambda *told: seen.append(told))
     for population in found:
         violations = [level.violation for level in population.levels]
         assert violations == sorted(violations, reverse=True)
@@ -93,7 +93,7 @@ def test_estimates_are_right_on_average_and_with_levels_of_ones_own_they_are_too
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
     random, target = np.random.Generator(np.random.Philox(1)), Target(batch, 1)
-    found, _ = smc.split(target, 300, 30, random, passes=4)
+    found, _ = smc.run_splitting(target, 300, 30, random, passes=4)
     own = [math.prod(p.kept for p in smc.explore(target, smc.moves_of(target), 30, random, 4)) for _ in range(100)]
 
     def away(estimates: list[float]) -> float:
@@ -113,7 +113,7 @@ def test_an_interval_is_no_point_where_nothing_is_rejected() -> None:
 
 def test_as_many_scenes_are_given_as_asked_for() -> None:
     random = np.random.Generator(np.random.Philox(1))
-    assert smc.shared(np.array([0.0, 1.0, 3.0]), 400, random) == [0, 100, 300]
+    assert smc.systematic_counts(np.array([0.0, 1.0, 3.0]), 400, random) == [0, 100, 300]
     assert sorted(smc.some(100, 300, random).tolist()) == sorted([*range(100)] * 3)
     assert len(smc.some(7, 0, random)) == 0
 

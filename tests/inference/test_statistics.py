@@ -16,9 +16,9 @@ from scenic_ref.inference.comparison import (
     contradicts,
     evidence,
 )
-from scenic_ref.inference.comparison.betting import combined, one_sample_wealth, two_sample_wealth
+from scenic_ref.inference.comparison.betting import average_e_values, one_sample_wealth, two_sample_wealth
 from scenic_ref.inference.comparison.cells import cells_of, opening_of
-from scenic_ref.inference.comparison.comparison import Hardest, detectable, needed
+from scenic_ref.inference.comparison.comparison import Hardest, detectable, required_draws
 from scenic_ref.inference.comparison.known_features import Facts
 from scenic_ref.inference.comparison.relations import gap, table_of
 from scenic_ref.inference.comparison.scene_columns import Column, FeatureTable, unit_of
@@ -76,7 +76,7 @@ def test_an_impossible_value_is_infinite_evidence():
 
 
 def test_the_average_of_e_values_is_one():
-    assert combined(np.log([1.0, 3.0])) == pytest.approx(math.log(2))
+    assert average_e_values(np.log([1.0, 3.0])) == pytest.approx(math.log(2))
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_the_stated_power_is_reached(law: list[float], tv: float, exact: bool):
     """The hardest difference, and others: 200 times each, where more than 12 misses have probability below 1e-6 at power 0.99."""
     features, alpha, p = 30, 1e-6, np.array(law)
     hardest = Hardest([p], exact=exact)
-    n = needed(tv, alpha, features, hardest)
+    n = required_draws(tv, alpha, features, hardest)
     source = np.random.Generator(np.random.Philox(9))
     known = p > 0
     size = int(known.sum())

@@ -9,11 +9,11 @@ import pytest
 import scenic_ref
 from scenic_ref.inference import mcmc
 from scenic_ref.inference.comparison.exact_laws import Continuous, contradicts
-from scenic_ref.inference.mcmc import Chains, tempered
+from scenic_ref.inference.mcmc import Chains, tempered_chains
 from scenic_ref.inference.moves.proposals import Moves
 from scenic_ref.inference.moves.states import States
 from scenic_ref.inference.moves.target import Target
-from scenic_ref.inference.smc import split
+from scenic_ref.inference.smc import run_splitting
 
 HALVED = "x = Range(0, 1)\nego = Object at x @ 0\nrequire x < 0.5\n"
 LEVELS = (10.0, 0.25, 0.0)
@@ -83,8 +83,8 @@ def test_exchanges_that_only_bring_better_states_down_are_found_out() -> None:
 
 def test_levels_are_those_of_splitting_and_all_states_are_allowed_at_theirs() -> None:
     target = target_of(ISLANDS)
-    found, moves = split(target, 2, 200, random(1))
-    chains = tempered(target, moves, found, random(2))
+    found, moves = run_splitting(target, 2, 200, random(1))
+    chains = tempered_chains(target, moves, found, random(2))
     assert chains.levels.tolist()[1:] == [level.violation for level in found[0].levels[1:]]
     assert chains.count >= mcmc.FEWEST_TEMPERED
     assert math.isfinite(chains.levels[0])

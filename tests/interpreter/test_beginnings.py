@@ -14,7 +14,7 @@ from scenic_ref.data.simulation import to_line
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime import program_run
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import Beginnings, run
+from scenic_ref.interpreter.runtime.program_run import Beginnings, generate_scene
 from scenic_ref.semantics.machine.config import Config
 from scenic_ref.semantics.store import budget
 from scenic_ref.semantics.store.errors import ScenicError
@@ -61,7 +61,7 @@ def from_the_beginning(scenario: Scenario, seed: int, index: int) -> tuple[str, 
     """The scene, and the steps of all attempts at it, each of which begins where the program does."""
     steps = 0
     for attempt in itertools.count():
-        ended = run(scenario.start(), from_stream(seed, index, attempt))
+        ended = generate_scene(scenario.start(), from_stream(seed, index, attempt))
         steps += ended.steps
         if isinstance(ended, program_run.Accepted):
             return scene_of(ended.state, seed, index, attempt + 1).to_line(), steps
@@ -71,7 +71,7 @@ def from_the_beginning(scenario: Scenario, seed: int, index: int) -> tuple[str, 
 def ending(begin: Callable[[], Config], attempt: int, fuel: int = program_run.DEFAULT_FUEL) -> object:
     """The steps of an attempt, or its error."""
     try:
-        return run(begin(), from_stream(1, 0, attempt), fuel=fuel).steps
+        return generate_scene(begin(), from_stream(1, 0, attempt), fuel=fuel).steps
     except ScenicError as problem:
         return problem.message
 
@@ -96,7 +96,7 @@ def test_an_attempt_may_do_as_much_work_as_from_the_beginning(most: int, monkeyp
 def test_a_beginning_that_is_out_of_reach_is_made_anew() -> None:
     begin = Beginnings(scenic_ref.loads("L = [1]\nego = Object at (Range(0, 1), 0)\nL.append(2)\nparam n = len(L)\n").start, 10_000)
     for attempt in range(6):
-        ended = run(begin(), from_stream(0, 0, attempt))
+        ended = generate_scene(begin(), from_stream(0, 0, attempt))
         assert isinstance(ended, program_run.Accepted)
         assert ended.state.params["n"] == 2
         if attempt % 2:  # driven on, as a simulation does

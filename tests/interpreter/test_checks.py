@@ -6,7 +6,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.checks import check_runnable
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.semantics.store.errors import CheckError
 
@@ -64,14 +64,14 @@ LEGAL = [
 @pytest.mark.parametrize("text", FAULTY)
 def test_fault_is_found_at_its_place(text: str) -> None:
     with pytest.raises(CheckError) as caught:
-        check(parse(text))
+        check_runnable(parse(text))
     error = caught.value
     assert (error.span.line, error.span.column, error.message) == FAULTY[text]
 
 
 @pytest.mark.parametrize("text", LEGAL)
 def test_legal_program_passes(text: str) -> None:
-    check(parse(text))
+    check_runnable(parse(text))
 
 
 def test_every_whole_listing_of_the_paper_passes() -> None:
@@ -80,4 +80,4 @@ def test_every_whole_listing_of_the_paper_passes() -> None:
         head, _, body = chunk.partition("\n")
         line, _, dialect = (part.strip() for part in head.split("|"))
         if line not in fragments:
-            check(parse(textwrap.dedent(body), dialect=dialect))
+            check_runnable(parse(textwrap.dedent(body), dialect=dialect))

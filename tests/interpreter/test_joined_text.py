@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.checks import check_runnable
 from scenic_ref.interpreter.language.conversion import Comments
 from scenic_ref.interpreter.language.logical_lines import join_text
 from scenic_ref.interpreter.language.parser import parse
@@ -196,4 +196,4 @@ def test_comments_stay_where_they_are() -> None:
     text = "x = (distance  # one\n  to b)  # two\n# three\ny = 1\n"
     comments = Comments(parse(text))
     assert [(line.start, line.end) for line in comments.code] == [((1, 1), (2, 8)), ((4, 1), (4, 6))]
-    check(parse(text))
+    check_runnable(parse(text))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.api import loads
-from scenic_ref.semantics.python.imports import beside, package_of, path_of
+from scenic_ref.semantics.python.imports import package_of, path_of, sibling_module_key
 from scenic_ref.semantics.store.errors import (
     ImportRefused,
     ProgramError,
@@ -143,8 +143,8 @@ def test_an_unknown_name_of_a_trusted_module(tmp_path):
 
 
 def test_keys():
-    assert [beside("b", level, ".sub.deep") for level in (1, 2, 3, 4)] == [".sub.deep.b", ".sub.b", ".b", "..b"]
-    assert [beside("", level, ".") for level in (1, 2)] == [".", ".."]
+    assert [sibling_module_key("b", level, ".sub.deep") for level in (1, 2, 3, 4)] == [".sub.deep.b", ".sub.b", ".b", "..b"]
+    assert [sibling_module_key("", level, ".") for level in (1, 2)] == [".", ".."]
     assert [package_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a", "math")] == [".", ".sub", "..", "..sub.deep", "."]
     assert [path_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a")] == ["a.scenic", "sub/a.scenic", "../a.scenic", "../sub/deep/a.scenic"]
 

@@ -123,12 +123,12 @@ def test_code_that_is_changed_while_it_runs_keeps_nothing(folder, monkeypatch):
 
 @pytest.mark.parametrize("change", ["other", "more", "gone"])
 def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
-    for folder in ("maps", "semantics/space"):
+    for folder in ("roads", "semantics/space"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "made.py").write_text("x = 1\n")
-    monkeypatch.setattr(cache_folders, "__file__", str(tmp_path / "interpreter" / "caches.py"))
+    monkeypatch.setattr(cache_folders, "__file__", str(tmp_path / "interpreter" / "runtime" / "cache_folders.py"))
     first = map_cache.code_there()
-    (tmp_path / "maps" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
+    (tmp_path / "roads" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
     assert first == map_cache.code_there() != b""
     place = tmp_path / "semantics" / "space" / "made.py"
     if change == "other":

@@ -26,7 +26,7 @@ from scenic_ref.inference.comparison.exact_laws import DEFAULT_ALPHA, Categorica
 from scenic_ref.inference.enumeration import Enumeration, content_of_scene
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, run
+from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, generate_scene
 from scenic_ref.interpreter.runtime.random_streams import Stream, fold, mix
 from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.space.distributions import Uniform
@@ -124,7 +124,7 @@ def sample(scenario: Scenario, seed: int, count: int, rival: Rival) -> Iterable[
 def wrongly_sampled(scenario: Scenario, seed: int, index: int) -> tuple[Scene | None, int]:
     """Rejection sampling in which the first value of each `Uniform` is twice as likely."""
     for attempt in range(PATIENCE):
-        result = run(scenario.start(), favouring_the_first(seed, index, attempt))
+        result = generate_scene(scenario.start(), favouring_the_first(seed, index, attempt))
         if isinstance(result, Accepted):
             return scene_of(result.state, seed, index, attempt + 1), attempt + 1
     return None, PATIENCE

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from scenic_ref.api import Scenario
 from scenic_ref.data.scene import Scene, scene_of
 from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
-from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, run
+from scenic_ref.interpreter.runtime.program_run import Accepted, Chooser, generate_scene
 from scenic_ref.semantics.machine.outcome import Draw, Outcome
 
 Address = tuple[int, ...]
@@ -42,7 +42,7 @@ class Answers:
 def recorded(scenario: Scenario, choose: Chooser) -> Answers:
     """One run with everything that was drawn; its scene is None if it was rejected."""
     recording = Answers()
-    result = run(scenario.start(), choose, fuel=scenario.fuel, witness=recording.witness)
+    result = generate_scene(scenario.start(), choose, fuel=scenario.fuel, witness=recording.witness)
     if isinstance(result, Accepted):
         recording.scene = scene_of(result.state, 0, 0, 1)
     return recording

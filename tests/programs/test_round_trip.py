@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from scenic_ref.conformance.generator.hypothesis_strategies import finite_programs, programs
-from scenic_ref.interpreter.language.checks import check
+from scenic_ref.interpreter.language.checks import check_runnable
 from scenic_ref.interpreter.language.parser import parse
 from scenic_ref.interpreter.language.printer import to_source
 from scenic_ref.semantics.syntax import Program
@@ -33,4 +33,4 @@ def test_finite_programs_are_the_trees_of_their_texts(program: Program):
 @quick(100)
 @given(programs())
 def test_programs_pass_the_static_checks(program: Program):
-    check(parse(program.text))
+    check_runnable(parse(program.text))

@@ -67,7 +67,7 @@ def test_there_is_noise_of_all_kinds(theories: list[Answer]) -> None:
     assert sum(len(one.law) >= 8 for one in theories) > COUNT / 3
 
 
-MUTATED, NORMAL_OF, AS_CAPTURED, MUTATE = mutation.mutated, mutation.normal_of, termination.as_captured, statements.conclude_mutate
+MUTATED, NORMAL_OF, AS_CAPTURED, MUTATE = mutation.mutate_object, mutation.normal_of, termination.as_captured, statements.conclude_mutate
 
 
 def sideways(o: Instance, noise: tuple[object, ...], state: State) -> State:

@@ -153,7 +153,7 @@ def without(number: int) -> Callable[[pytest.MonkeyPatch], None]:
 
     def plant(patch: pytest.MonkeyPatch) -> None:
         def left_out(frame: policy.Step, result: object, stack: object, state: object) -> object:
-            return policy.following(frame, f"D-Policy-{number}", stack, state)  # type: ignore[arg-type]
+            return policy.advance_policy(frame, f"D-Policy-{number}", stack, state)  # type: ignore[arg-type]
 
         patch.setitem(policy.STEPS, number, left_out)  # type: ignore[arg-type]
 

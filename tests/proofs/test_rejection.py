@@ -13,7 +13,7 @@ from random import Random
 import pytest
 import scenic_ref
 from scenic_ref.inference import rejection
-from scenic_ref.inference.enumeration import Enumeration, Runner, Taken, following
+from scenic_ref.inference.enumeration import Enumeration, Runner, Taken, next_prefix
 from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.store.errors import AttemptsExhausted
 
@@ -158,7 +158,7 @@ def sampled(program: Program, patch: pytest.MonkeyPatch, chooser: Callable[[Choo
         except AttemptsExhausted:
             scene = None
         law[scene] += runner.probability
-        prefix = following(runner.choices)
+        prefix = next_prefix(runner.choices)
     return dict(law)
 
 

@@ -12,7 +12,7 @@ from random import Random
 import pytest
 import scenic_ref
 from scenic_ref.inference import rejection
-from scenic_ref.inference.enumeration import Runner, Taken, following, product
+from scenic_ref.inference.enumeration import Runner, Taken, next_prefix, product
 from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.scenes import statements
 from scenic_ref.semantics.space.distributions import Coin
@@ -213,7 +213,7 @@ def found_within(program: Program, attempts: int, patch: pytest.MonkeyPatch) -> 
         except AttemptsExhausted:
             scene = None
         law[scene] += runner.probability * product(share for _, share in runner.coins.values())
-        prefix = following(runner.choices)
+        prefix = next_prefix(runner.choices)
     found = 1 - law[None]
     return tuple(law[value] / found if found else Fraction(0) for value in range(len(program.weights)))
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from scenic_ref.inference.batch.evaluation_plan import plan
 from scenic_ref.inference.batch.graph import GraphEvent, GraphNode
 from scenic_ref.inference.batch.numpy_evaluator import evaluate
-from scenic_ref.inference.pruning.accepted_facts import limits, located, min_radius, truths
-from scenic_ref.inference.pruning.node_bounds import ALL, TAU, Interval, Operand, Point, aligned, angles_meet, bounds, offset
-from scenic_ref.inference.pruning.traced_points import Recorded, record
+from scenic_ref.inference.pruning.accepted_facts import field_lookup_points, limits, min_radius, truths
+from scenic_ref.inference.pruning.node_bounds import ALL, TAU, Interval, Operand, Point, angles_meet, bounds, field_alignment, offset
+from scenic_ref.inference.pruning.traced_points import Recorded, record_points
 
 from .programs import EGO, MAP
 
@@ -28,7 +28,7 @@ PROGRAMS = [scenic_ref.load(EXAMPLES / f"{name}.scenic") for name in NAMES] + [s
 @pytest.fixture(scope="module", params=PROGRAMS, ids=[*NAMES, "abreast"])
 def runs(request: pytest.FixtureRequest) -> tuple[Recorded, dict[int, np.ndarray]]:
     """A program, and the columns of its numbers in accepted runs."""
-    recorded = record(request.param.start, 1_000_000)
+    recorded = record_points(request.param.start, 1_000_000)
     numbers = [n for n in recorded.graph.nodes if n.kind in ("float", "bool")]
     scenes = np.arange(4000, dtype=np.uint64)
     return recorded, dict(evaluate(plan(recorded.graph, numbers), 0, scenes, np.zeros_like(scenes)).columns)
@@ -56,7 +56,7 @@ def test_every_number_is_within_its_bounds(runs):
 
 def test_aligned_headings_are_those_of_the_field_up_to_the_deviation(runs):
     recorded, columns = runs
-    found = [(n, a) for n in recorded.graph.nodes if n.kind == "float" and (a := aligned(n)) is not None]
+    found = [(n, a) for n in recorded.graph.nodes if n.kind == "float" and (a := field_alignment(n)) is not None]
     for node, (field, point, deviation) in found:
         xs, ys = coordinates(point, columns)
         for heading, x, y in list(zip(columns[node.number], np.broadcast_to(xs, len(columns[node.number])), ys * np.ones(1), strict=False))[:20]:
@@ -67,7 +67,7 @@ def test_aligned_headings_are_those_of_the_field_up_to_the_deviation(runs):
 @pytest.mark.slow
 def test_offsets_are_where_they_are_said_to_be(runs):
     recorded, columns = runs
-    points = [drawn.point for drawn in recorded.points.values()] + [there.point for there in located(recorded.graph)]
+    points = [drawn.point for drawn in recorded.points.values()] + [there.point for there in field_lookup_points(recorded.graph)]
     angles = {n.arguments[0] for n in recorded.graph.nodes if n.function is np.cos}
     seen = 0
     for origin in points[:3]:
@@ -102,7 +102,7 @@ def test_facts_and_limits_hold_in_accepted_runs(runs):
 
 def test_conjunctions_are_taken_apart_and_soft_requirements_are_left_out():
     program = "x = Range(0, 9)\ny = Range(0, 9)\nego = Object at (x, y)\nrequire x < 5 and not (y <= 2 or x > 4)\nrequire[0.5] y > 8\n"
-    recorded = record(scenic_ref.loads(program).start, 1_000_000)
+    recorded = record_points(scenic_ref.loads(program).start, 1_000_000)
     x, y = (c for c in recorded.state.objects[recorded.state.scene[0].number]["position"].value)
     found = limits(list(truths(recorded.graph)))
     assert found[x.node] == [Interval(-math.inf, 4.0)] or found[x.node] == [Interval(-math.inf, 4)]

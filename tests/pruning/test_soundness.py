@@ -15,10 +15,10 @@ from scenic_ref.data.scene import Scene
 from scenic_ref.inference.batch.block_rejection import Batch
 from scenic_ref.inference.pruning import Pruning, accepted_facts, analysis, prune
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.traced_points import Recorded, record
+from scenic_ref.inference.pruning.traced_points import Recorded, record_points
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.runtime.answerers import from_stream, from_trace
-from scenic_ref.interpreter.runtime.program_run import Accepted, run
+from scenic_ref.interpreter.runtime.program_run import Accepted, generate_scene
 from scenic_ref.semantics.machine.outcome import Draw
 from scenic_ref.semantics.space.distributions import PointIn
 from scenic_ref.semantics.space.symbol_seam import NotLifted
@@ -40,7 +40,7 @@ SOME_COURSE = MAP + EGO + "other = Object in road, facing Range(-0.1, 0.1) relat
 @cache
 def gallery(name: str) -> tuple[Scenario, Recorded, Pruning]:
     scenario = scenic_ref.load(next(p for p in GALLERY if p.stem == name))
-    recorded = record(scenario.start, FUEL)
+    recorded = record_points(scenario.start, FUEL)
     return scenario, recorded, prune_recorded(recorded)
 
 
@@ -66,7 +66,7 @@ def test_what_is_mutated_in_the_gallery_is_not_pruned():
 def test_no_accepted_run_of_a_random_program_has_a_point_outside_the_smaller_regions(number):
     scenario = scenic_ref.loads(random_program(np.random.default_rng(number)))
     try:
-        recorded = record(scenario.start, FUEL)
+        recorded = record_points(scenario.start, FUEL)
     except NotLifted:
         return  # it never has a scene
     points = accepted_points(recorded, RUNS, seed=number)
@@ -80,7 +80,7 @@ def test_no_accepted_run_of_a_random_program_has_a_point_outside_the_smaller_reg
 
 def is_caught(program: str) -> bool:
     """Whether some accepted run has a point outside the regions that are left."""
-    recorded = record(scenic_ref.loads(program).start, FUEL)
+    recorded = record_points(scenic_ref.loads(program).start, FUEL)
     return lost(prune_recorded(recorded), accepted_points(recorded, RUNS)) > 0
 
 
@@ -106,7 +106,7 @@ def test_a_soft_requirement_taken_for_a_hard_one_is_caught(monkeypatch):
 
 
 def test_mutation_that_is_ignored_is_caught(monkeypatch):
-    recorded = record(scenic_ref.loads(MUTATED).start, FUEL)
+    recorded = record_points(scenic_ref.loads(MUTATED).start, FUEL)
     (first, *_) = recorded.points.values()
     right = accepted_facts.position_of
     monkeypatch.setattr(accepted_facts, "position_of", lambda s, o: first.point if s.names.get(o.number) == "ego" else right(s, o))
@@ -137,7 +137,7 @@ def grid_law(scenario: Scenario, pruning: Pruning, points: list[Vector], *, prun
     choices = [[v for v in points if region.contains_point(v)] for region in regions]
     accepted = set()
     for combination in itertools.product(*choices):
-        ended = run(scenario.start(), from_trace(dict(zip(addresses, combination, strict=True)), refuse))
+        ended = generate_scene(scenario.start(), from_trace(dict(zip(addresses, combination, strict=True)), refuse))
         if isinstance(ended, Accepted):
             accepted.add(combination)
     return accepted
@@ -244,7 +244,7 @@ def test_pruned_draws_are_in_the_smaller_regions_and_others_are_as_before():
             assert drawn == plain(draw)
         return drawn
 
-    run(scenario.start(), answer)
+    generate_scene(scenario.start(), answer)
     assert len(seen) == 1
     assert seen[0].distribution == PointIn(one.original)
 

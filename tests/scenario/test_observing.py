@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.api.scene_expressions import NAME, expression_of, law_of, value_in_final_state
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import Accepted, run
+from scenic_ref.interpreter.runtime.program_run import Accepted, generate_scene
 from scenic_ref.semantics.machine.values import unwrap
 from scenic_ref.semantics.store.errors import FuelExhausted, ParseError, RunError, UsageError
 
@@ -19,7 +19,7 @@ PROGRAM = "def twice(x):\n    return 2 * x\nego = Object at (0, 0)\nother = Obje
 def value(expression: str, program: str = PROGRAM) -> object:
     """The value of an expression in the first scene."""
     scenario = scenic_ref.loads(program)
-    ended = run(scenario.start(), from_stream(0, 0, 0), fuel=scenario.fuel)
+    ended = generate_scene(scenario.start(), from_stream(0, 0, 0), fuel=scenario.fuel)
     assert isinstance(ended, Accepted)
     return unwrap(value_in_final_state(expression_of(expression), ended.state))[0]
 

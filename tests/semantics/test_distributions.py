@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from scenic_ref import loads
 from scenic_ref.inference.comparison import Continuous, contradicts
 from scenic_ref.interpreter.runtime.answerers import from_stream
-from scenic_ref.interpreter.runtime.program_run import run
+from scenic_ref.interpreter.runtime.program_run import generate_scene
 from scenic_ref.interpreter.runtime.random_streams import Stream
 from scenic_ref.interpreter.runtime.trace import log_density_of
 from scenic_ref.semantics.machine.outcome import Draw
@@ -199,7 +199,7 @@ def test_an_entry_that_is_itself_random_counts_by_its_value() -> None:
         if isinstance(outcome, Draw):
             densities.append(log_density_of(outcome.distribution, drawn))
 
-    run(loads(program).start(), from_stream(0, 0, 0), witness=look)
+    generate_scene(loads(program).start(), from_stream(0, 0, 0), witness=look)
     assert densities == [0.0, 0.0]
 
 

@@ -64,7 +64,7 @@ def test_local_coordinates_invert_local_offsets(position: Vector, heading: float
 
 @given(vectors)
 def test_a_vector_points_along_its_angle(v: Vector) -> None:
-    again = g.rotate(Vector(0.0, g.length_of(v)), g.angle_of(v))
+    again = g.rotate(Vector(0.0, g.vector_norm(v)), g.angle_of(v))
     assert tuple(again) == pytest.approx(tuple(v), abs=1e-12)
     assert -math.pi <= g.angle_of(v) <= math.pi
 

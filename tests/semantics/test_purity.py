@@ -374,7 +374,7 @@ def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
 
 def test_a_configuration_that_was_driven_on_says_so():
     config = scenic_ref.loads("ego = Object\n").start()
-    program_run.run(config, lambda draw: draw.distribution.sample(lambda: 0.5))
+    program_run.generate_scene(config, lambda draw: draw.distribution.sample(lambda: 0.5))
     with pytest.raises(undo_log.DrivenOn, match="cannot be stepped again"):
         step(config)
 

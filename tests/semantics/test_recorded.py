@@ -123,7 +123,7 @@ def test_what_is_given_otherwise_is_noticed(rival: str, monkeypatch: pytest.Monk
 def test_an_error_is_recorded_by_its_place_and_not_its_words(monkeypatch: pytest.MonkeyPatch) -> None:
     text = "ego = Object at (Range(0, 1), 1 + 2)\nx = [1][5]\n"
     before = of_text(text)
-    monkeypatch.setattr(step, "said", lambda exception: "something else")
+    monkeypatch.setattr(step, "exception_text", lambda exception: "something else")
     assert of_text(text) == before
     assert of_text("\n" + text) != before
 

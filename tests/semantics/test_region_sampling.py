@@ -59,7 +59,7 @@ def test_sectors_are_uniform_by_area_and_angle() -> None:
 
     def cell(v: Vector) -> tuple[bool, int]:
         local = g.to_local(sector.center, sector.heading, v)
-        return g.length_of(local) < 1, math.floor((g.angle_of(local) + 2.5) / 1.25)
+        return g.vector_norm(local) < 1, math.floor((g.angle_of(local) + 2.5) / 1.25)
 
     cells = {(near, part): (0.25 if near else 0.75) / 4 for near in (True, False) for part in range(4)}
     assert not alarms(sector.sample, cell, cells)

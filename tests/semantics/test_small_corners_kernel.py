@@ -65,7 +65,7 @@ def test_an_iterator_that_gives_little_may_be_gone_through(items: str) -> None:
 def test_letters_are_not_compared_where_names_are_long_or_cannot_be_near(monkeypatch: pytest.MonkeyPatch, name: str, known: str) -> None:
     """Each pair of letters is looked at once: a program that is hostile would make that as many as it likes."""
     asked: list[str] = []
-    monkeypatch.setattr(suggestions, "distance", lambda one, other: asked.append(one) or 1)
+    monkeypatch.setattr(suggestions, "edit_distance", lambda one, other: asked.append(one) or 1)
     assert suggestions.nearest(name, [known]) is None
     assert asked == []
 

@@ -18,7 +18,7 @@ from scenic_ref.simulators import actions as a
 from scenic_ref.simulators import actions as basic
 from scenic_ref.simulators.actions import Wanted
 from scenic_ref.simulators.worlds.driving import arguments as ours
-from scenic_ref.simulators.worlds.driving import text
+from scenic_ref.simulators.worlds.driving import driving_module_text
 from scenic_ref.simulators.worlds.driving.arguments import WANTED
 
 DOCS = Path(__file__).parent.parent.parent / "docs" / "roads.md"
@@ -45,10 +45,10 @@ FITTING = {
 }  # fmt: skip
 """Arguments that fit, for the parameters without a default."""
 DEFINED = {
-    d.name: d for module in ("behaviors", "scenarios") for d in parse(text(module)).statements
+    d.name: d for module in ("behaviors", "scenarios") for d in parse(driving_module_text(module)).statements
     if isinstance(d, (BehaviorDefinition, ScenarioDefinition))
 }  # fmt: skip
-PLAIN = {d.name: d for module in ("model", "lights", "scenarios") for d in parse(text(module)).statements if isinstance(d, FunctionDefinition)}
+PLAIN = {d.name: d for module in ("model", "lights", "scenarios") for d in parse(driving_module_text(module)).statements if isinstance(d, FunctionDefinition)}
 """Functions of the library, those for its own use among them."""
 
 
@@ -190,7 +190,7 @@ def test_what_the_released_library_documents_is_taken(call: str) -> None:
 
 
 def test_what_is_long_is_told_short() -> None:
-    assert basic.shown("x" * 100) == f"{'x' * 39!r}"[:-1] + "..."
-    assert basic.shown(list(range(1000))) == "a list of 1000"
-    assert basic.shown([object()]) == "a list of 1"
-    assert basic.shown(math.inf) == "inf"
+    assert basic.short_value_text("x" * 100) == f"{'x' * 39!r}"[:-1] + "..."
+    assert basic.short_value_text(list(range(1000))) == "a list of 1000"
+    assert basic.short_value_text([object()]) == "a list of 1"
+    assert basic.short_value_text(math.inf) == "inf"

@@ -29,9 +29,9 @@ from ....semantics.machine.values import Random
 from ....semantics.space.vectors import Vector
 from ..block_rejection import Block
 from ..row_calls import Columns
-from ..scene_template import ObjectTemplate, Template, listed
+from ..scene_template import ObjectTemplate, Template, row_values
 from ..symbolic import Choice, Opaque, Traced, symbols_in
-from .scene_lines import Numbers, attempts_of, coordinates, floats, others, turned
+from .scene_lines import Numbers, attempts_of, coordinates, floats, normalise_heading_column, others
 
 
 class Tables:
@@ -39,8 +39,8 @@ class Tables:
 
     def __init__(self, template: Template) -> None:
         self.template = template
-        self.params = varying("params", template.params)
-        self.properties = [varying("properties", others(o)) for o in template.objects]
+        self.params = varying_columns("params", template.params)
+        self.properties = [varying_columns("properties", others(o)) for o in template.objects]
         self.own = [[field for field in OWN_FIELDS if symbols_in(o.properties[field])] for o in template.objects]
         self.fixed = [fixed_of(template, number) for number in range(len(template.objects))]
         """For each object what is the same in all scenes: columns of one row."""
@@ -64,17 +64,17 @@ class Tables:
         found = {"seed": constant_column(str(seed), rows), "weight": constant_column(1.0, rows)}
         found |= {name: again(pattern, count) for name, pattern in self.patterns.items()}
         shared = {"scene": numbers(block.rows), "attempts": numbers(attempts_of(block))}
-        shared |= {name: typed(value, columns, count) for name, value in self.params.items()}
+        shared |= {name: typed_column_of(value, columns, count) for name, value in self.params.items()}
         by_object: list[TableColumns] = []
         for o, own, properties, fixed in zip(objects, self.own, self.properties, self.fixed, strict=True):
-            made = shared | own_columns(o, own, columns, count) | {name: typed(value, columns, count) for name, value in properties.items()}
+            made = shared | own_columns(o, own, columns, count) | {name: typed_column_of(value, columns, count) for name, value in properties.items()}
             by_object.append(made | {name: repeat_first_row(column, count) for name, column in fixed.items() if name not in found})
         for name in {name for made in by_object for name in made}:
             found[name] = interleave_columns([made[name] if name in made else empty_column(count) for made in by_object])
         return {name: found[name] for name in order_columns(found)}
 
 
-def varying(part: str, values: Mapping[str, object]) -> dict[str, object]:
+def varying_columns(part: str, values: Mapping[str, object]) -> dict[str, object]:
     """Those properties or parameters that are not the same in all scenes, by their columns."""
     return {column_name(part, name): value for name, value in values.items() if symbols_in(value)}
 
@@ -97,11 +97,11 @@ def own_columns(o: ObjectTemplate, fields: Sequence[str], columns: Columns, coun
         if field == "position":
             found["x"], found["y"] = coordinates(value, columns, count)
         else:
-            found[field] = turned(floats(value, columns, count)) if field == "heading" else floats(value, columns, count)
+            found[field] = normalise_heading_column(floats(value, columns, count)) if field == "heading" else floats(value, columns, count)
     return {name: numbers(np.array(values, dtype=float)) for name, values in found.items()}
 
 
-def typed(value: object, columns: Columns, count: int) -> TypedColumn:
+def typed_column_of(value: object, columns: Columns, count: int) -> TypedColumn:
     """The column of a property or parameter, of its values in the scene format."""
     match value:
         case Choice() if not symbols_in(value.values):
@@ -112,12 +112,12 @@ def typed(value: object, columns: Columns, count: int) -> TypedColumn:
         case Traced() if not isinstance(value, (Choice, Opaque)):
             return numbers(columns[value.node.number])
         case Random():
-            return typed(value.value, columns, count)
+            return typed_column_of(value.value, columns, count)
         case Vector() if (parts := lists_of([value.x, value.y], columns, count)) is not None:
             return parts
         case list() | tuple() if type(value) in (list, tuple) and (parts := lists_of(value, columns, count)) is not None:
             return parts
-    return column_of([json_value(v) for v in listed(value, columns, count)])
+    return column_of([json_value(v) for v in row_values(value, columns, count)])
 
 
 def lists_of(values: Sequence[object], columns: Columns, count: int) -> TypedColumn | None:

@@ -26,7 +26,7 @@ class FailedDraw(NamedTuple):
         return found
 
 
-def failed(error: ScenicError, printed: list[str]) -> FailedDraw:
+def record_failed_draw(error: ScenicError, printed: list[str]) -> FailedDraw:
     """The error as a record; attributes that cannot be sent are described in words."""
     attributes: dict[str, object] = {name: value if _can_be_sent(value) else RuntimeError(repr(value)) for name, value in vars(error).items()}
     return FailedDraw(type(error), attributes, tuple(printed))

@@ -72,12 +72,12 @@ def lay(path: str, texts: Iterable[bytes | memoryview]) -> int | None:
     except OSError:
         return None
     try:
-        return sum(written(file, text) for text in texts)
+        return sum(write_all_bytes(file, text) for text in texts)
     finally:
         os.close(file)
 
 
-def written(file: int, text: bytes | memoryview) -> int:
+def write_all_bytes(file: int, text: bytes | memoryview) -> int:
     """Write all bytes to a file; how many."""
     rest = memoryview(text)
     while rest:

@@ -18,7 +18,7 @@ from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.vectors import Vector
 from ..block_rejection import Block
 from ..row_calls import Columns
-from ..scene_template import ObjectTemplate, Template, listed
+from ..scene_template import ObjectTemplate, Template, row_values
 from ..symbolic import Choice, Opaque, Traced, symbols_in
 from .text_rows import Cells, Picked, joined, merged
 
@@ -85,7 +85,7 @@ def lines_of(template: Template, block: Block, seed: int) -> bytes:
     """The line of each scene of a block, in order, with their ends."""
     made, others = iter(joined(merged(pieces_of(template, block, seed)), len(block.rows))), block.others
     indices = range(block.start, block.start + len(block.attempts))
-    return "".join([line_of(others[k]) if k in others else next(made) for k in indices] if others else made).encode()
+    return "".join([scene_line(others[k]) if k in others else next(made) for k in indices] if others else made).encode()
 
 
 def lines_by(rows: CompiledRows, template: Template, block: Block, seed: int) -> Iterator[bytes | memoryview]:
@@ -97,14 +97,14 @@ def lines_by(rows: CompiledRows, template: Template, block: Block, seed: int) ->
             before = int(np.searchsorted(indices, others[0]))
             end = int(ends[before - 1]) if before else 0
             yield text[start:end]
-            yield line_of(block.others[others.pop(0)]).encode()
+            yield scene_line(block.others[others.pop(0)]).encode()
             start = end
         yield text[start:]
         done += len(ends)
-    yield from (line_of(block.others[index]).encode() for index in others)
+    yield from (scene_line(block.others[index]).encode() for index in others)
 
 
-def line_of(scene: Scene) -> str:
+def scene_line(scene: Scene) -> str:
     """The line of a scene, with its end."""
     return f"{scene.to_line()}\n"
 
@@ -112,10 +112,10 @@ def line_of(scene: Scene) -> str:
 def pieces_of(template: Template, block: Block, seed: int) -> Sequence[Cells]:
     """The lines of the scenes in the columns of a block, with their ends, in pieces."""
     columns, count = block.columns, len(block.rows)
-    params = Written(mapping(template.params, columns, count))
+    params = Written(json_object_pieces(template.params, columns, count))
     objects = [_object(number, o, columns, count) for number, o in enumerate(template.objects)]
     index, attempts = Written([block.rows]), Written([attempts_of(block)])
-    return [*written(scene_entry(seed, index, attempts, 1.0, params, template.ego_id, objects, pruned=template.pruned)), "\n"]
+    return [*json_pieces(scene_entry(seed, index, attempts, 1.0, params, template.ego_id, objects, pruned=template.pruned)), "\n"]
 
 
 def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> dict[str, object]:
@@ -124,22 +124,22 @@ def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> dic
     if isinstance(position, Vector):
         place = [number_cells(part, columns, count, as_given) for part in (position.x, position.y)]
     else:
-        place = [finite(values) for values in coordinates(position, columns, count)]
-    sizes = [number_cells(value, columns, count, made) for value, made in ((heading, turned), (width, floats_of), (length, floats_of))]
+        place = [finite_number_cells(values) for values in coordinates(position, columns, count)]
+    sizes = [number_cells(value, columns, count, made) for value, made in ((heading, normalise_heading_column), (width, floats_of), (length, floats_of))]
     x, y, heading, width, length = (Written([cells]) for cells in (*place, *sizes))
-    return object_entry(number, o.name, o.class_name, x, y, heading, width, length, Written(mapping(others(o), columns, count)))
+    return object_entry(number, o.name, o.class_name, x, y, heading, width, length, Written(json_object_pieces(others(o), columns, count)))
 
 
 def number_cells(value: object, columns: Columns, count: int, made: Callable[[Numbers], Numbers]) -> Cells:
     """The JSON text of a number of an object's own, as it is `made` from what the program gave."""
     if not symbols_in(value):
-        return text(listed_numbers(made([value]))[0])
+        return scene_json_text(listed_numbers(made([value]))[0])
     if isinstance(value, Choice) and not symbols_in(value.values):
         few, numbers = listed_numbers(made(list(value.values))), columns[value.node.number]
         if np.isfinite(floats_of(few)).all():
-            return Picked([text(number) for number in few], numbers)
-        return finite([few[k] for k in numbers.tolist()])
-    return finite(made(exact(value, columns, count)))
+            return Picked([scene_json_text(number) for number in few], numbers)
+        return finite_number_cells([few[k] for k in numbers.tolist()])
+    return finite_number_cells(made(exact(value, columns, count)))
 
 
 def listed_numbers(values: Numbers) -> list[object]:
@@ -157,7 +157,7 @@ def floats_of(values: Numbers) -> np.ndarray:
     return np.array(values, dtype=float)
 
 
-def turned(values: Numbers) -> np.ndarray:
+def normalise_heading_column(values: Numbers) -> np.ndarray:
     """Headings in (-π, π]."""
     return normalise_heading(floats_of(values))  # type: ignore[arg-type, return-value]
 
@@ -166,21 +166,21 @@ def own_fields(o: ObjectTemplate, columns: Columns, count: int) -> tuple[Numbers
     """Position (of the type that the program gave it), heading in (-π, π], width and length, in metres and radians, each (count,)."""
     position, heading, width, length = (o.properties[name] for name in OWN_FIELDS)
     x, y = coordinates(position, columns, count)
-    return x, y, turned(floats(heading, columns, count)), floats(width, columns, count), floats(length, columns, count)
+    return x, y, normalise_heading_column(floats(heading, columns, count)), floats(width, columns, count), floats(length, columns, count)
 
 
 def coordinates(position: object, columns: Columns, count: int) -> tuple[Numbers, Numbers]:
     """The two parts of a position, of the type that the program gave them."""
     if isinstance(position, Vector):
         return exact(position.x, columns, count), exact(position.y, columns, count)
-    pairs = listed(position, columns, count)
+    pairs = row_values(position, columns, count)
     return [p.x for p in pairs], [p.y for p in pairs]  # type: ignore[attr-defined]
 
 
 def exact(value: object, columns: Columns, count: int) -> Numbers:
     """A number as a column of floats where it is one, else as a list of what it is."""
     column = columns[value.node.number] if isinstance(value, Traced) and not isinstance(value, (Choice, Opaque)) else None
-    return column if column is not None and column.dtype == float else listed(value, columns, count)
+    return column if column is not None and column.dtype == float else row_values(value, columns, count)
 
 
 def floats(value: object, columns: Columns, count: int) -> np.ndarray:
@@ -203,49 +203,49 @@ def attempts_of(block: Block) -> np.ndarray:
 # JSON
 
 
-def text(value: object) -> str:
+def scene_json_text(value: object) -> str:
     """The JSON text of a value in the scene format. Raises `ValueError` for numbers that JSON does not have."""
     return in_json(value)
 
 
-def finite(values: Numbers) -> Cells:
+def finite_number_cells(values: Numbers) -> Cells:
     """The JSON text of numbers. Raises `ValueError` for those that JSON does not have."""
     if isinstance(values, np.ndarray) and np.isfinite(values).all():
         return values
-    return list(map(text, listed_numbers(values)))
+    return list(map(scene_json_text, listed_numbers(values)))
 
 
-def written(value: object) -> Sequence[Cells]:
+def json_pieces(value: object) -> Sequence[Cells]:
     """A value in JSON, parts of which are written already, in pieces."""
     match value:
         case Written(pieces=pieces):
             return pieces
         case dict():
-            inner = [(f"{', ' if number else ''}{text(name)}: ", *written(part)) for number, (name, part) in enumerate(value.items())]
+            inner = [(f"{', ' if number else ''}{scene_json_text(name)}: ", *json_pieces(part)) for number, (name, part) in enumerate(value.items())]
             return ["{", *chain.from_iterable(inner), "}"]
         case list():
-            return ["[", *chain.from_iterable((", " if number else "", *written(part)) for number, part in enumerate(value)), "]"]
+            return ["[", *chain.from_iterable((", " if number else "", *json_pieces(part)) for number, part in enumerate(value)), "]"]
         case _:
-            return [text(value)]
+            return [scene_json_text(value)]
 
 
-def mapping(values: dict[str, object], columns: Columns, count: int) -> Sequence[Cells]:
+def json_object_pieces(values: dict[str, object], columns: Columns, count: int) -> Sequence[Cells]:
     """An object of JSON, in pieces."""
-    return written({name: Written(cells(value, columns, count)) for name, value in values.items()})
+    return json_pieces({name: Written(cells(value, columns, count)) for name, value in values.items()})
 
 
 def sequence(values: Sequence[object], columns: Columns, count: int) -> Sequence[Cells]:
     """An array of JSON, in pieces."""
-    return written([Written(cells(value, columns, count)) for value in values])
+    return json_pieces([Written(cells(value, columns, count)) for value in values])
 
 
 def cells(value: object, columns: Columns, count: int) -> Sequence[Cells]:
     """The JSON text of `json_value(value)` in each row, in pieces."""
     match value:
         case _ if not symbols_in(value):
-            return [text(json_value(value))]
+            return [scene_json_text(json_value(value))]
         case Choice() if not symbols_in(value.values):
-            return [Picked([text(json_value(v)) for v in value.values], columns[value.node.number])]
+            return [Picked([scene_json_text(json_value(v)) for v in value.values], columns[value.node.number])]
         case Traced() if not isinstance(value, (Choice, Opaque)):
             return [numbers(columns[value.node.number])]
         case Random():
@@ -255,8 +255,8 @@ def cells(value: object, columns: Columns, count: int) -> Sequence[Cells]:
         case list() | tuple() if type(value) in (list, tuple):
             return sequence(value, columns, count)
         case dict() if type(value) is dict and all(type(key) is str for key in value):
-            return mapping(value, columns, count)
-    return [[text(json_value(v)) for v in listed(value, columns, count)]]
+            return json_object_pieces(value, columns, count)
+    return [[scene_json_text(json_value(v)) for v in row_values(value, columns, count)]]
 
 
 def numbers(column: np.ndarray) -> Cells:
@@ -265,5 +265,5 @@ def numbers(column: np.ndarray) -> Cells:
         return Picked(TRUTHS, column.astype(np.int64))
     if column.dtype.kind in "iu" or (column.dtype.kind == "f" and np.isfinite(column).all()):
         return column
-    return [text(json_value(v)) for v in column.tolist()]
+    return [scene_json_text(json_value(v)) for v in column.tolist()]
 

@@ -22,9 +22,9 @@ from multiprocessing.process import BaseProcess
 from types import FrameType
 from typing import TypeVar
 
-from ....interpreter.runtime.optional_packages import needed
+from ....interpreter.runtime.optional_packages import missing_package_error
 from ....semantics.store.errors import AttemptsExhausted, InternalError, UsageError
-from ...rejection import DEFAULT_ATTEMPTS, exhausted, how_often
+from ...rejection import DEFAULT_ATTEMPTS, how_often, no_scene_error
 from ..block_rejection import Batch, Block
 
 Asked = TypeVar("Asked")
@@ -72,7 +72,7 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
     alone = batch.block(seed, index, index + 1, max_attempts=max_attempts)
     worst, count = alone.stuck.most_common(1)[0]
     told = f"no scene in {max_attempts:,} attempts: {how_often(count, max_attempts)} this failed: {worst.text}"
-    return block._replace(error=exhausted(told, max_attempts, alone.stuck, seldom=True))
+    return block._replace(error=no_scene_error(told, max_attempts, alone.stuck, seldom=True))
 
 
 def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Generator[Block]:
@@ -90,7 +90,7 @@ def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Gene
 # Results
 
 
-def in_order(
+def run_jobs_in_order(
     pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int, unread: list[object] | None = None,
     look: Callable[[], object] = bool,
 ) -> Generator[Given]:  # fmt: skip
@@ -101,12 +101,12 @@ def in_order(
     waiting: deque[Future[Given]] = deque()
     try:
         for job in jobs:
-            with uninterrupted():  # the process that this may start inherits the mask: only this one answers Ctrl-C
+            with delay_interrupts():  # the process that this may start inherits the mask: only this one answers Ctrl-C
                 waiting.append(pool.submit(work, job))
             if len(waiting) >= most:
-                yield answer(waiting.popleft(), look)
+                yield await_job_result(waiting.popleft(), look)
         while waiting:
-            yield answer(waiting.popleft(), look)
+            yield await_job_result(waiting.popleft(), look)
     except (BrokenProcessPool, CancelledError):
         raise InternalError("a worker process ended without an answer", hint="was there enough memory? try fewer --workers") from None
     finally:
@@ -115,7 +115,7 @@ def in_order(
                 unread.append(future.result())
 
 
-def answer(future: Future[Given], look: Callable[[], object]) -> Given:
+def await_job_result(future: Future[Given], look: Callable[[], object]) -> Given:
     """The result of a job, once it is there; `look` is called once a second until then."""
     while not wait([future], LOOK).done:
         look()
@@ -140,7 +140,7 @@ class Workers:
 
     def draw(self, work: Callable[[Asked], Given], jobs: Iterable[Asked]) -> Generator[Given]:
         """The results of the jobs, in order."""
-        return in_order(self.pool, work, jobs, 2 * self.count + 1, self.unread, self.look)
+        return run_jobs_in_order(self.pool, work, jobs, 2 * self.count + 1, self.unread, self.look)
 
 
 # Who does them
@@ -201,11 +201,11 @@ def cluster(address: str, count: int | None = None, unread: list[object] | None 
     try:
         from distributed import Client, LocalCluster
     except ImportError as problem:
-        raise needed("a cluster", "distributed", problem) from None
+        raise missing_package_error("a cluster", "distributed", problem) from None
     if os.name == "posix":
         resource_tracker.ensure_running()  # begun later, it would take the mask off the thread that starts processes
     try:
-        with uninterrupted():  # a thread that starts processes is made here
+        with delay_interrupts():  # a thread that starts processes is made here
             options = {"n_workers": count, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
             started = LocalCluster(**options) if address == "local" else None
             client = Client(started or address, timeout=10)
@@ -235,17 +235,17 @@ def end_with_parent() -> None:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
+def delay_interrupts() -> Iterator[None]:
     """Delay Ctrl-C until afterwards, whichever thread the system tells of it; processes that are started meanwhile may not be told."""
     answer = signal.getsignal(signal.SIGINT)
     if not callable(answer) or threading.current_thread() is not threading.main_thread():
-        with masked():
+        with mask_interrupts():
             yield
         return
     came = list[FrameType | None]()
     signal.signal(signal.SIGINT, lambda _, frame: came.append(frame))
     try:
-        with masked():
+        with mask_interrupts():
             yield
     finally:
         signal.signal(signal.SIGINT, answer)
@@ -254,7 +254,7 @@ def uninterrupted() -> Iterator[None]:
 
 
 @contextmanager
-def masked() -> Iterator[None]:
+def mask_interrupts() -> Iterator[None]:
     """Keep Ctrl-C from this thread, and from processes that it starts, where the system can do that."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

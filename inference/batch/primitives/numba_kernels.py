@@ -59,7 +59,7 @@ def from_scipy(name: str) -> Callable[..., float]:
     return types.ExternalFunction(symbol, types.float64(types.float64))
 
 
-def made(source: str, name: str, names: Mapping[str, object], callees: Sequence[str] = ()) -> Callable[..., Any]:
+def compile_function_text(source: str, name: str, names: Mapping[str, object], callees: Sequence[str] = ()) -> Callable[..., Any]:
     """The function of that name which a text defines, compiled; `callees` are the texts of what it calls that is not in a module.
 
     Its own name tells its text, since the names of compiled functions that are called alike must not meet.
@@ -102,7 +102,7 @@ copy_bytes: Any = intrinsic(_copy)
 
 
 @compile_
-def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
+def philox_uniforms(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
     """The four numbers in [0, 1) of a block, as `interpreter.runtime.random_streams` defines them."""
     k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
     for _ in range(ROUNDS):
@@ -398,7 +398,7 @@ def box_away(x: float, y: float, heading: float, width: float, length: float, ed
 
 
 @compile_
-def within(away: float, reach: float, closed: bool) -> bool:
+def is_within_reach(away: float, reach: float, closed: bool) -> bool:
     """Whether a distance is at most the reach, or less for open sets."""
     return away <= reach if closed else away < reach
 
@@ -412,10 +412,10 @@ def pair_meets(boxes: np.ndarray, i: int, j: int, closed: bool) -> bool:
     c, s = abs(c1 * c2 + s1 * s2), abs(s2 * c1 - c2 * s1)
     margin = METRES if closed else -METRES
     return (
-        within(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s) + margin, closed)
-        and within(abs(y * c1 - x * s1), hl1 + (hw2 * s + hl2 * c) + margin, closed)
-        and within(abs(x * c2 + y * s2), hw2 + (hw1 * c + hl1 * s) + margin, closed)
-        and within(abs(y * c2 - x * s2), hl2 + (hw1 * s + hl1 * c) + margin, closed)
+        is_within_reach(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s) + margin, closed)
+        and is_within_reach(abs(y * c1 - x * s1), hl1 + (hw2 * s + hl2 * c) + margin, closed)
+        and is_within_reach(abs(x * c2 + y * s2), hw2 + (hw1 * c + hl1 * s) + margin, closed)
+        and is_within_reach(abs(y * c2 - x * s2), hl2 + (hw1 * s + hl1 * c) + margin, closed)
     )
 
 

@@ -71,7 +71,7 @@ class Numbers:
         if attempt is not None and len(self.scenes) >= DENSE * self.span:
             return self.consecutive(code, attempt, block)[(self.scenes - np.uint64(self.first)).astype(np.int64)]
         attempts = np.full_like(self.scenes, PER_SCENE) if per_scene else self.attempts
-        return philox((self.seed, code), self.scenes, attempts, block)
+        return philox_rows((self.seed, code), self.scenes, attempts, block)
 
     def consecutive(self, code: int, attempt: int, block: int) -> np.ndarray:
         """The words of all scenes from the first to the last, from NumPy's generator, which adds 1 to its counter first."""
@@ -80,7 +80,7 @@ class Numbers:
         return generator.random_raw(4 * self.span).reshape(self.span, 4)
 
 
-def philox(key: tuple[int, int], scenes: np.ndarray, attempts: np.ndarray, block: int) -> np.ndarray:
+def philox_rows(key: tuple[int, int], scenes: np.ndarray, attempts: np.ndarray, block: int) -> np.ndarray:
     """Philox4x64-10 of the counters (scene, attempt, block, 0), (rows, 4)."""
     k0, k1 = key
     c0, c1 = scenes, attempts

@@ -39,10 +39,10 @@ class TensorGrid:
 
 def any_of(row: Tensor, truths: Tensor, rows: int) -> Tensor:
     """Which rows have a pair for which that is true."""
-    return counted(row, truths, rows) > 0
+    return count_true_pairs(row, truths, rows) > 0
 
 
-def counted(row: Tensor, truths: Tensor, rows: int) -> Tensor:
+def count_true_pairs(row: Tensor, truths: Tensor, rows: int) -> Tensor:
     """For how many of its pairs that is true, by row."""
     return torch.zeros(rows, dtype=torch.int64, device=row.device).index_add_(0, row, truths.to(torch.int64))
 
@@ -72,7 +72,7 @@ class TensorPolygon:
         near = torch.minimum(point_side.abs(), reference_side.abs()) <= eps * torch.hypot(dx, dy)
         near |= torch.minimum(start_side.abs(), end_side.abs()) <= eps * torch.hypot(ex, ey)
         crossing = ((point_side > 0) != (reference_side > 0)) & ((start_side > 0) != (end_side > 0))
-        inside = self.reference_inside[square] ^ (counted(row, crossing, len(x)) % 2 == 1)
+        inside = self.reference_inside[square] ^ (count_true_pairs(row, crossing, len(x)) % 2 == 1)
         return inside, any_of(row, near, len(x))
 
     def contains_box(self, x: Tensor, y: Tensor, heading: Tensor, width: Tensor, length: Tensor, slack: float) -> tuple[Tensor, Tensor]:

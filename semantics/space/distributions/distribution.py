@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Protocol
 
-from ..numeric_functions import is_finite_number, number
+from ..numeric_functions import is_finite_number, to_floats
 from ..regions.point_sampling import Numbers
 
 Support = tuple[tuple[object, Fraction], ...]
@@ -15,7 +15,7 @@ LEAST = 2.0**-54  # stands for the number 0 where the inverse of a distribution 
 
 
 class BadParameters(ValueError):
-    """A distribution cannot have these parameters; `parameter` names the wrong one, `number` the wrong one of its values."""
+    """A distribution cannot have these parameters; `parameter` names the wrong one, `to_floats` the wrong one of its values."""
 
     def __init__(self, distribution: str, parameter: str, reason: str, number: int | None = None) -> None:
         super().__init__(f"{distribution}: {parameter} {reason}")
@@ -76,7 +76,7 @@ class Named:
         """The field `parameter` as a float, which replaces it; `BadParameters` unless it is a finite number."""
         given = getattr(self, parameter)
         try:
-            value = number(given)
+            value = to_floats(given)
         except (TypeError, ValueError):
             raise BadParameters(self.name, parameter, f"must be a number, not {given!r}") from None
         if not is_finite_number(value) and (not infinite or value != value):

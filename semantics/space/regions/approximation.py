@@ -16,7 +16,7 @@ import shapely
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..boundaries import METRES, common, united, widened
+from ..boundaries import METRES, common, unite_shapes, widen_shape
 from ..vectors import Vector
 
 Bounds = tuple[float, float, float, float]  # west, south, east, north
@@ -59,9 +59,9 @@ def levels(region: Approximable, window: Polygon) -> Iterator[Approximation]:
 def contains(region: Approximable, shape: BaseGeometry) -> bool:
     """Whether `shape` ⊆ `region`, a closed set."""
     for approximation in levels(region, window_around(shape.bounds)):
-        if widened(approximation.core).covers(shape):
+        if widen_shape(approximation.core).covers(shape):
             return True
-        if not widened(approximation.cover).covers(shape):
+        if not widen_shape(approximation.cover).covers(shape):
             return False
     return True
 
@@ -76,7 +76,7 @@ def meets(region: Approximable, shape: BaseGeometry) -> bool:
     return True
 
 
-def distance(region: Approximable, v: Vector, window: Polygon) -> float:
+def region_distance(region: Approximable, v: Vector, window: Polygon) -> float:
     """The distance in metres from `v` to `region`, within 1e-6 where arcs are involved; infinite for an empty region."""
     point, nearest = Point(v.x, v.y), float("inf")
     for approximation in levels(region, window):
@@ -128,7 +128,7 @@ def polygonal(shape: BaseGeometry) -> BaseGeometry:
     if shape.geom_type in ("Polygon", "MultiPolygon"):
         return shape
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type in ("Polygon", "MultiPolygon")]
-    return united(polygons) if polygons else Polygon()
+    return unite_shapes(polygons) if polygons else Polygon()
 
 
 def as_core(shape: BaseGeometry) -> BaseGeometry:
@@ -143,4 +143,4 @@ def as_cover(shape: BaseGeometry) -> BaseGeometry:
 
 def union_inside(window: Polygon, first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
     """first ∪ second inside `window` (clipped first, for speed)."""
-    return united([common(first, window), common(second, window)])
+    return unite_shapes([common(first, window), common(second, window)])

@@ -16,7 +16,7 @@ from shapely.geometry import Point, Polygon
 
 from ..boundaries import METRES, common, without
 from ..fields import OutsideField, VectorField
-from ..numeric_functions import every, lifted
+from ..numeric_functions import every, lift_method
 from ..vectors import Vector
 from . import parameter_intervals
 from .approximation import (
@@ -158,7 +158,7 @@ class _Combination(Region):
         return tuple(self.points())
 
 
-def _parts(curve: Region, keep: Callable[[Vector, Vector], Intervals], within: Bounds | None) -> Iterable[Segment]:
+def _kept_segments(curve: Region, keep: Callable[[Vector, Vector], Intervals], within: Bounds | None) -> Iterable[Segment]:
     """The parts of the curve's segments whose parameters `keep` gives."""
     for start, end in curve.segments(within):
         for low, high in keep(start, end):
@@ -231,7 +231,7 @@ class IntersectionRegion(_Combination):
         curve, other = (self.first, self.second) if self.first.dimension == 1 else (self.second, self.first)
         bounds = self._limits
         near = bounds if within is None or bounds is None else overlap(bounds, within)
-        return _parts(curve, other.intervals, near)
+        return _kept_segments(curve, other.intervals, near)
 
     def points(self) -> Iterable[Vector]:
         if self._crossings:
@@ -254,7 +254,7 @@ class UnionRegion(_Combination):
             return None
         return VectorField(f"{self.first.orientation.name} or {self.second.orientation.name}", self._orientation_at)
 
-    @lifted(float)
+    @lift_method(float)
     def _orientation_at(self, v: Vector) -> float:
         """The orientation of the first part that contains `v`."""
         for part in (self.first, self.second):
@@ -263,23 +263,23 @@ class UnionRegion(_Combination):
         assert self.orientation is not None
         raise OutsideField(self.orientation, v)
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_point(self, v: Vector) -> bool:
         return self.first.contains_point(v) or self.second.contains_point(v)
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         if self.first.contains_box(*box) or self.second.contains_box(*box):
             return True
         return contains(self, box_shape(*box))
 
-    @lifted(bool)
+    @lift_method(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         return self.first.meets_box(*box) or self.second.meets_box(*box)
 
-    @lifted(float)
+    @lift_method(float)
     def distance_to(self, v: Vector) -> float:
         return min(self.first.distance_to(v), self.second.distance_to(v))
 
@@ -299,7 +299,7 @@ class UnionRegion(_Combination):
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
         yield from self.first.segments(within)
-        yield from _parts(self.second, lambda a, b: parameter_intervals.complement(self.first.intervals(a, b)), within)
+        yield from _kept_segments(self.second, lambda a, b: parameter_intervals.complement(self.first.intervals(a, b)), within)
 
     def points(self) -> Iterable[Vector]:
         yield from self.first.points()
@@ -318,11 +318,11 @@ class DifferenceRegion(_Combination):
     def orientation(self) -> VectorField | None:  # pyright: ignore[reportIncompatibleVariableOverride]
         return self.first.orientation
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_point(self, v: Vector) -> bool:
         return self.first.contains_point(v) and not self.second.contains_point(v)
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         return self.first.contains_box(*box) and not self.second.meets_box(*box)
@@ -341,7 +341,7 @@ class DifferenceRegion(_Combination):
         return parameter_intervals.intersection(self.first.intervals(start, end), parameter_intervals.complement(self.second.intervals(start, end)))
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
-        return _parts(self.first, lambda a, b: parameter_intervals.complement(self.second.intervals(a, b)), within)
+        return _kept_segments(self.first, lambda a, b: parameter_intervals.complement(self.second.intervals(a, b)), within)
 
     def points(self) -> Iterable[Vector]:
         return (point for point in self.first.points() if not self.second.contains_point(point))

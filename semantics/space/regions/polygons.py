@@ -10,9 +10,9 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..boundaries import GRID, united, widened
+from ..boundaries import GRID, unite_shapes, widen_shape
 from ..fields import VectorField
-from ..numeric_functions import lifted
+from ..numeric_functions import lift_method
 from ..vectors import Vector
 from . import parameter_intervals
 from .approximation import Approximation, Bounds, box_shape
@@ -46,27 +46,27 @@ class PolygonalRegion(Region):
             raise BadRegion("a polygonal region is given either by its points or by a polygon")
         if isinstance(points, Region):
             points, polygon = None, points  # type: ignore[assignment]
-        parts = [_from_points(points)] if points is not None else _parts(polygon)
+        parts = [_from_points(points)] if points is not None else _polygons_of(polygon)
         self.name = name
         self.orientation = checked_number_field("PolygonalRegion", orientation)
-        self.polygon: Polygon | MultiPolygon = _united([_checked(part) for part in parts])
+        self.polygon: Polygon | MultiPolygon = _unite_polygons([_check_polygon(part) for part in parts])
 
     def __repr__(self) -> str:
         return f"PolygonalRegion({self.name or self.polygon!r})"
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.intersects_xy(self.closed, v.x, v.y))
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return bool(self.closed.covers(box_shape(position, heading, width, length)))
 
-    @lifted(bool)
+    @lift_method(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return bool(self.closed.intersects(box_shape(position, heading, width, length)))
 
-    @lifted(float)
+    @lift_method(float)
     def distance_to(self, v: Vector) -> float:
         return float(self.polygon.distance(Point(v.x, v.y)))
 
@@ -93,7 +93,7 @@ class PolygonalRegion(Region):
     @cached_property
     def closed(self) -> BaseGeometry:
         """The union with its boundary, as wide as `boundaries` says."""
-        shape = widened(self.polygon)
+        shape = widen_shape(self.polygon)
         shapely.prepare(shape)
         return shape
 
@@ -128,7 +128,7 @@ def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
     return Polygon([(corner.x, corner.y) for corner in corners])
 
 
-def _parts(polygon: object) -> list[Polygon]:
+def _polygons_of(polygon: object) -> list[Polygon]:
     """The polygons that `polygon` is or holds; a region with straight edges stands for its own."""
     inside = getattr(polygon, "polygon", None) if isinstance(polygon, Region) else polygon.geometry if isinstance(polygon, PlaneShape) else polygon
     if isinstance(inside, Polygon):
@@ -137,10 +137,10 @@ def _parts(polygon: object) -> list[Polygon]:
     if not isinstance(members, Iterable):
         instead = "; use that region as it is, or give its corners" if isinstance(polygon, Region) else ""
         raise BadRegion(f"a polygonal region is made of polygons, not of {polygon!r}{instead}")
-    return [part for member in members for part in _parts(member)]
+    return [part for member in members for part in _polygons_of(member)]
 
 
-def _checked(polygon: Polygon) -> Polygon:
+def _check_polygon(polygon: Polygon) -> Polygon:
     if polygon.is_empty or not np.isfinite(shapely.get_coordinates(polygon)).all():
         raise BadRegion(f"a polygon must have points with finite coordinates: {polygon!r}")
     if not polygon.is_valid:
@@ -148,10 +148,10 @@ def _checked(polygon: Polygon) -> Polygon:
     return polygon if not polygon.has_z else shapely.force_2d(polygon)
 
 
-def _united(parts: list[Polygon]) -> Polygon | MultiPolygon:
+def _unite_polygons(parts: list[Polygon]) -> Polygon | MultiPolygon:
     if not parts:
         raise BadRegion("a polygonal region needs at least one polygon")
-    union = parts[0] if len(parts) == 1 else united(parts)
+    union = parts[0] if len(parts) == 1 else unite_shapes(parts)
     if union.is_empty:
         raise BadRegion(f"polygons that are put together must be larger than {GRID:g} m")
     assert isinstance(union, (Polygon, MultiPolygon))

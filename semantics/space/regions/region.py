@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from shapely.geometry import Polygon
 
 from ..fields import VectorField
-from ..numeric_functions import is_one, lifted
+from ..numeric_functions import is_one, lift_method
 from ..vectors import Vector
 from . import parameter_intervals
-from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around
+from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, hull, meets, region_distance, window_around
 from .errors import BadRegion, EmptyRegion, UnboundedRegion
 from .parameter_intervals import Intervals
 from .point_sampling import Numbers, Segment
@@ -54,24 +54,24 @@ class Region(ABC):
     def sample(self, uniform: Numbers) -> Vector:
         """uniformPointIn(R), a deterministic map of the numbers that `uniform` gives. Raises `EmptyRegion`, `UnboundedRegion`."""
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         """Whether the whole box lies in the region (operator `O is in R`)."""
         return contains(self, box_shape(position, heading, width, length))
 
-    @lifted(bool)
+    @lift_method(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         """Whether the box and the region share a point."""
         return meets(self, box_shape(position, heading, width, length))
 
-    @lifted(float)
+    @lift_method(float)
     def distance_to(self, v: Vector) -> float:
         """The distance from `v` to the nearest point of the region as it is written: 0 inside, infinite if the region is empty.
 
         So it may be up to `boundaries.METRES` for a point that is in the region by its boundary alone.
         Combinations with arcs are known to within 1e-6 m, and remains thinner than that cannot be told from nothing.
         """
-        return 0.0 if self.contains_point(v) else distance(self, v, window_around(hull(self.extent(), (v.x, v.y, v.x, v.y))))
+        return 0.0 if self.contains_point(v) else region_distance(self, v, window_around(hull(self.extent(), (v.x, v.y, v.x, v.y))))
 
     def extent(self) -> Bounds:
         """Bounds outside which the region holds all points or none."""

@@ -18,7 +18,7 @@ from .. import geometry
 from ..boundaries import METRES, RADIANS
 from ..fields import VectorField
 from ..geometry import TAU, angle_of
-from ..numeric_functions import either, every, larger, lifted, negation, pick, smaller, square_root
+from ..numeric_functions import either, every, larger, lift_method, negation, pick, smaller, square_root
 from ..vectors import Vector
 from . import parameter_intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, window_around
@@ -28,7 +28,7 @@ from .plane_shapes import PlaneShape
 from .point_sampling import Numbers, Segment, SegmentSampler
 from .polygons import intervals_within
 from .region import Region
-from .region_checks import checked_number_field, finite, nonnegative, vector, vectors
+from .region_checks import check_finite, check_vector, checked_number_field, nonnegative, vectors
 
 _ROUNDING = 1e-12  # cores are shrunk and covers grown by this share, so that rounding the vertices breaks neither
 
@@ -48,7 +48,7 @@ class CircularRegion(Region):
     name: str | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self, resolution: int) -> None:
-        object.__setattr__(self, "center", vector("circle", "center", self.center))
+        object.__setattr__(self, "center", check_vector("circle", "center", self.center))
         object.__setattr__(self, "radius", nonnegative("circle", "radius", self.radius))
 
     def contains_point(self, v: Vector) -> bool:
@@ -73,7 +73,7 @@ class CircularRegion(Region):
         if self.radius == 0:
             center = Point(self.center.x, self.center.y)
             return Approximation(center, center)
-        return Approximation(*(_placed(ring, self.center, self.radius, 0.0) for ring in _arc_shapes(TAU, sides)))
+        return Approximation(*(_place_ring(ring, self.center, self.radius, 0.0) for ring in _arc_shapes(TAU, sides)))
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         x, y = start.x - self.center.x, start.y - self.center.y
@@ -112,9 +112,9 @@ class SectorRegion(Region):
     name: str | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self, resolution: int) -> None:
-        object.__setattr__(self, "center", vector("sector", "center", self.center))
+        object.__setattr__(self, "center", check_vector("sector", "center", self.center))
         object.__setattr__(self, "radius", nonnegative("sector", "radius", self.radius))
-        object.__setattr__(self, "heading", finite("sector", "heading", self.heading))
+        object.__setattr__(self, "heading", check_finite("sector", "heading", self.heading))
         object.__setattr__(self, "angle", nonnegative("sector", "angle", self.angle))
 
     def contains_point(self, v: Vector) -> bool:
@@ -148,7 +148,7 @@ class SectorRegion(Region):
     def distance_to(self, v: Vector) -> float:
         offset = v - self.center
         if geometry.wedge_contains(self.heading, self.angle, offset):
-            return max(0.0, geometry.length_of(offset) - self.radius)
+            return max(0.0, geometry.vector_norm(offset) - self.radius)
         half, mid = self.angle / 2, Vector(0.0, self.radius / 2)
         sides = ((geometry.offset_local(self.center, h, mid), h) for h in (self.heading + half, self.heading - half))
         return min(geometry.distance_to_box(middle, h, 0.0, self.radius, v) for middle, h in sides)
@@ -170,7 +170,7 @@ class SectorRegion(Region):
             tip = geometry.offset_local(self.center, self.heading, Vector(0.0, self.radius))
             ray = LineString([tuple(self.center), tuple(tip)])
             return Approximation(ray, ray)
-        return Approximation(*(_placed(ring, self.center, self.radius, self.heading) for ring in _arc_shapes(self.angle, sides)))
+        return Approximation(*(_place_ring(ring, self.center, self.radius, self.heading) for ring in _arc_shapes(self.angle, sides)))
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         disc = CircularRegion(self.center, self.radius).intervals(start, end)
@@ -208,8 +208,8 @@ class RectangularRegion(Region):
     name: str | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", vector("rectangle", "position", self.position))
-        object.__setattr__(self, "heading", finite("rectangle", "heading", self.heading))
+        object.__setattr__(self, "position", check_vector("rectangle", "position", self.position))
+        object.__setattr__(self, "heading", check_finite("rectangle", "heading", self.heading))
         object.__setattr__(self, "width", nonnegative("rectangle", "width", self.width))
         object.__setattr__(self, "length", nonnegative("rectangle", "length", self.length))
 
@@ -286,7 +286,7 @@ def _on_circle(headings: np.ndarray, radius: float) -> np.ndarray:
     return radius * np.stack([-np.sin(headings), np.cos(headings)], axis=1)
 
 
-def _placed(ring: np.ndarray, center: Vector, radius: float, heading: float) -> BaseGeometry:
+def _place_ring(ring: np.ndarray, center: Vector, radius: float, heading: float) -> BaseGeometry:
     """The ring scaled by `radius`, turned by `heading` and moved to `center`, as a polygon."""
     c, s = math.cos(heading), math.sin(heading)
     return Polygon((ring * radius) @ np.array([[c, s], [-s, c]]) + (center.x, center.y))
@@ -329,7 +329,7 @@ class PolylineRegion(Region):
     def __repr__(self) -> str:
         return f"PolylineRegion({self.name or self.polyline!r})"
 
-    @lifted(float)
+    @lift_method(float)
     def heading_at(self, v: Vector) -> float:
         """The heading of the line at its point nearest to `v`."""
         start, end = self.nearestSegmentTo(v)
@@ -340,7 +340,7 @@ class PolylineRegion(Region):
         nearest = self.segment_tree.query_nearest(Point(*point), all_matches=True)
         return self._all_segments[int(min(nearest))]
 
-    @lifted(float)
+    @lift_method(float)
     def signedDistanceTo(self, point: Vector | Sequence[float]) -> float:
         """The distance from the line to the point in metres, negative to the right of the nearest segment (of the released implementations)."""
         v = Vector(*point)
@@ -389,11 +389,11 @@ class PolylineRegion(Region):
         """The segments, in order."""
         return shapely.STRtree([LineString([(a.x, a.y), (b.x, b.y)]) for a, b in self._all_segments])
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.dwithin(self.polyline, Point(v.x, v.y), METRES))
 
-    @lifted(float)
+    @lift_method(float)
     def distance_to(self, v: Vector) -> float:
         return float(self.polyline.distance(Point(v.x, v.y)))
 
@@ -477,11 +477,11 @@ class PointSetRegion(Region):
     def __repr__(self) -> str:
         return f"PointSetRegion({self.name!r}, {len(self._points)} points)"
 
-    @lifted(bool)
+    @lift_method(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.dwithin(self._shape, Point(v.x, v.y), METRES))
 
-    @lifted(float)
+    @lift_method(float)
     def distance_to(self, v: Vector) -> float:
         return float(self._shape.distance(Point(v.x, v.y))) if self._points else float("inf")
 

@@ -20,7 +20,7 @@ from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
 from .arguments import check_arguments
-from .named_maps import constants, maps_of, read, text_and_path, tolerance_in
+from .named_maps import constants, maps_of, read_named_map, text_and_path, tolerance_in
 
 MAP = "scenic.domains.driving.map"
 """The module that gives `network`, the map of the program."""
@@ -40,7 +40,7 @@ DEFAULT = {
 
 
 @cache
-def text(name: str) -> str:
+def driving_module_text(name: str) -> str:
     """A module in Scenic."""
     return (files(__spec__.name if __spec__ else "scenic_ref.simulators.worlds.driving") / f"{name}.scenic").read_text(encoding="utf-8")
 
@@ -82,7 +82,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
     @lru_cache(maxsize=None, typed=True)  # 1 is a tolerance, True is none
     def read_once(path: Path, tolerance: float) -> Network | ImportRefused:
-        return read(path, tolerance, directory)
+        return read_named_map(path, tolerance, directory)
 
     def of_map() -> Mapping[str, object] | Exception:
         named = map_of(program, params, directory)
@@ -114,16 +114,16 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.arguments": lambda: {"check_arguments": check_arguments},
     MAPS[0]: lambda: FIXED_ROADS,
     "scenic.domains.driving.paths": lambda: {"Trajectory": vehicle_paths.Trajectory},
-    "scenic.domains.driving.controllers": lambda: text("controllers"),
-    "scenic.domains.driving.lights": lambda: text("lights"),
-    "scenic.domains.driving.kinds": lambda: text("kinds"),
-    "scenic.domains.driving.behaviors": lambda: text("behaviors"),
-    "scenic.domains.driving.scenarios": lambda: text("scenarios"),
-    "scenic.domains.driving.model": lambda: text("model"),
-    "scenic.domains.driving.missing": lambda: text("missing"),
-    "scenic.simulators.carla.model": lambda: text("carla"),
-    "scenic.simulators.lgsvl.model": lambda: text("lgsvl"),
-    "scenic.simulators.newtonian.driving_model": lambda: text("newtonian"),
+    "scenic.domains.driving.controllers": lambda: driving_module_text("controllers"),
+    "scenic.domains.driving.lights": lambda: driving_module_text("lights"),
+    "scenic.domains.driving.kinds": lambda: driving_module_text("kinds"),
+    "scenic.domains.driving.behaviors": lambda: driving_module_text("behaviors"),
+    "scenic.domains.driving.scenarios": lambda: driving_module_text("scenarios"),
+    "scenic.domains.driving.model": lambda: driving_module_text("model"),
+    "scenic.domains.driving.missing": lambda: driving_module_text("missing"),
+    "scenic.simulators.carla.model": lambda: driving_module_text("carla"),
+    "scenic.simulators.lgsvl.model": lambda: driving_module_text("lgsvl"),
+    "scenic.simulators.newtonian.driving_model": lambda: driving_module_text("newtonian"),
     "scenic.simulators.metadrive.model": lambda: SAME,
 }
 """The modules that do not depend on a map."""

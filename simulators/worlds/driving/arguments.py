@@ -9,7 +9,7 @@ from ....semantics.machine.operand_kinds import is_object
 from ....semantics.machine.values import Dynamic, Instance
 from ....semantics.space.regions import PolylineRegion, Region
 from ....semantics.space.vectors import Vector
-from ...actions import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check, is_number, is_vector
+from ...actions import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check_action_arguments, is_finite_scalar, is_vector
 
 
 def is_way(value: object) -> bool:
@@ -41,7 +41,7 @@ COLOR = Wanted("'green', 'yellow' or 'red'", lambda value: value in ("green", "y
 INTERSECTION = Wanted("an intersection", lambda value: isinstance(value, Intersection))
 SCENARIOS = Wanted("a list of two scenarios or more", is_scenarios)
 DRIVEN = Wanted("a vehicle, a pedestrian or another object of the driving library", is_driven)
-STEP = Wanted("a number of seconds, more than 0", lambda value: is_number(value) and value > 0)  # type: ignore[operator]
+STEP = Wanted("a number of seconds, more than 0", lambda value: is_finite_scalar(value) and value > 0)  # type: ignore[operator]
 GAINS = {"K_P": NUMBER, "K_D": NUMBER, "K_I": NUMBER, "dt": STEP}
 
 WANTED: Mapping[str, Mapping[str, Wanted]] = {
@@ -94,4 +94,4 @@ WANTED: Mapping[str, Mapping[str, Wanted]] = {
 
 def check_arguments(of: str, *values: object) -> None:
     """Raise `ValueError` for the first argument that is not what is wanted."""
-    check(of, WANTED[of], dict(zip(WANTED[of], values, strict=True)))
+    check_action_arguments(of, WANTED[of], dict(zip(WANTED[of], values, strict=True)))

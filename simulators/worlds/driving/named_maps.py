@@ -15,33 +15,33 @@ from ....semantics.store.suggestions import did_you_mean
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name, UnaryOperation
-from ...actions import shown
+from ...actions import short_value_text
 
 LARGEST_TOLERANCE = 10.0
 """Metres by which a point may miss an element at most."""
 
 
-def read(path: Path, tolerance: object, directory: Path | None) -> Network | ImportRefused:
+def read_named_map(path: Path, tolerance: object, directory: Path | None) -> Network | ImportRefused:
     """The map of a file, which a program in the directory names there, or why it cannot be had."""
     if path.suffix.lower() != ".xodr":
         return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
     try:
-        return read_map(path, checked(tolerance, NOWHERE))
+        return read_map(path, check_tolerance(tolerance, NOWHERE))
     except ScenicError as problem:
-        return ImportRefused(problem.message, hint=problem.hint or beside(path, directory))
+        return ImportRefused(problem.message, hint=problem.hint or beside_program_hint(path, directory))
 
 
-def beside(path: Path, directory: Path | None) -> str:
+def beside_program_hint(path: Path, directory: Path | None) -> str:
     """What to write where a map that is not there is beside the program; "" otherwise."""
     if directory is None or path.is_absolute() or path.exists() or not (directory / path).is_file():
         return ""
     return f"{path.name} is beside the program: write localPath({str(path)!r}), or give the path {directory / path}"
 
 
-def checked(tolerance: object, span: Span) -> float:
+def check_tolerance(tolerance: object, span: Span) -> float:
     """A tolerance. Raises `ImportRefused`."""
     if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)) or not 0 <= tolerance <= LARGEST_TOLERANCE:
-        raise ImportRefused(f"the tolerance of a map is a number of metres from 0 to {LARGEST_TOLERANCE:g}, not {shown(tolerance)}", span)
+        raise ImportRefused(f"the tolerance of a map is a number of metres from 0 to {LARGEST_TOLERANCE:g}, not {short_value_text(tolerance)}", span)
     return float(tolerance)
 
 
@@ -53,14 +53,14 @@ def tolerance_in(options: object, span: Span) -> float:
     for name in options:
         if name not in known:
             raise ImportRefused(f"there is no map option {name!r}", span, hint=did_you_mean(str(name), known) or f"there are {', '.join(known)}")
-    return checked(options.get("tolerance", TOLERANCE), span)
+    return check_tolerance(options.get("tolerance", TOLERANCE), span)
 
 
 UNKNOWN = object()
 """What an expression gives that is no constant."""
 
 
-def constant(node: object) -> object:
+def constant_value(node: object) -> object:
     """What a constant that is written in a program is, also one with a sign; UNKNOWN for other expressions."""
     match node:
         case Constant(value=value):
@@ -75,9 +75,9 @@ def constants(node: object) -> object:
     """What a dictionary of constants that is written in a program holds, also by `dict(name=...)`; UNKNOWN for other expressions."""
     match node:
         case DictDisplay():
-            items = {constant(k): constant(v) for k, v in node.items}
+            items = {constant_value(k): constant_value(v) for k, v in node.items}
         case Call(function=Name(name="dict"), arguments=()):
-            items = {k.name or UNKNOWN: constant(k.value) for k in node.keywords}
+            items = {k.name or UNKNOWN: constant_value(k.value) for k in node.keywords}
         case _:
             return UNKNOWN
     return UNKNOWN if UNKNOWN in items or UNKNOWN in items.values() else items
@@ -95,13 +95,13 @@ def text_and_path(node: object, directory: Path | None) -> tuple[str, Path] | No
             return None
 
 
-def named(program: Program, directory: Path | None) -> Iterator[tuple[object, tuple[Path, object]]]:
+def named_maps_of(program: Program, directory: Path | None) -> Iterator[tuple[object, tuple[Path, object]]]:
     """The texts that a program gives to `fromFile` (each with the tolerance, if there is one), and the files that they name."""
     for statement in program.statements:
         for node in descendants(statement):
             match node:
                 case Call(function=Attribute(name="fromFile" | "fromOpenDrive"), arguments=(first, *_)) if found := text_and_path(first, directory):
-                    given = next((constant(k.value) for k in node.keywords if k.name == "tolerance"), None)
+                    given = next((constant_value(k.value) for k in node.keywords if k.name == "tolerance"), None)
                     text, path = found
                     yield text if given is None else (text, given), (path, TOLERANCE if given is None else given)
                 case _:
@@ -112,5 +112,5 @@ def maps_of(
     program: Program, directory: Path | None, own: Mapping[object, tuple[Path, object]], read_once: Callable[[Path, Any], Network | ImportRefused]
 ) -> dict[object, Network | str]:
     """The maps that a program may read by `fromFile`, its `own` one among them, by the texts that it gives, or why they cannot be had."""
-    found = {key: read_once(path, tolerance) for key, (path, tolerance) in {**dict(named(program, directory)), **own}.items()}
+    found = {key: read_once(path, tolerance) for key, (path, tolerance) in {**dict(named_maps_of(program, directory)), **own}.items()}
     return {text: str(one) if isinstance(one, Exception) else one for text, one in found.items()}
