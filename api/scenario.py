@@ -451,7 +451,8 @@ class Scenario:
         return pyro_for("`pyro_kernel`").kernel(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
 
     def pyro_numbers(self, seed: int = 0) -> NumberModel:
-        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.pyro_adapter.NumberModel`. Raises the same."""
+        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.pyro_adapter.NumberModel`. Raises the same.
+        """
         return pyro_for("`pyro_numbers`").numbers(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
 
     def pyro_model(self) -> Callable[[], Scene | None]:

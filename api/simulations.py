@@ -62,7 +62,9 @@ def simulate_many(
     """The simulations, in order, by this process or `workers` others. Raises `UsageError` where a simulator cannot be sent to these."""
     count = min(workers, which.stop - which.start)
     if count <= 1:
-        return report_run_progress(simulate_range(scenario, which, by_name(simulator, which.timestep) if isinstance(simulator, str) else simulator), progress)
+        return report_run_progress(
+            simulate_range(scenario, which, by_name(simulator, which.timestep) if isinstance(simulator, str) else simulator), progress
+        )
     if not isinstance(simulator, str):
         raise UsageError("other processes make their own simulators", hint='name it: simulator="package.module:Class", or workers=1')
     by_name(simulator, which.timestep)

@@ -102,7 +102,8 @@ class WritingCost:
     def json(self) -> dict[str, object]:
         """All figures."""
         return {
-            "drawing us/scene": round_figure(1e6 * self.drawing), "writing us/scene": round_figure(1e6 * self.writing), "writing/drawing": round_figure(self.share),
+            "drawing us/scene": round_figure(1e6 * self.drawing), "writing us/scene": round_figure(1e6 * self.writing),
+            "writing/drawing": round_figure(self.share),
             "ns per number": round_figure(self.per_number),
         }
 

@@ -36,7 +36,7 @@ def on_one_thread() -> Mapping[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredProgram:
-    """A program to be measured; `parse_release` is the same program for released implementations, if there is one."""
+    """A program to be measured; `released` is the same program for released implementations, if there is one."""
 
     name: str
     path: str

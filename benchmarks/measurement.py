@@ -64,7 +64,9 @@ def measure_request(request: CourseRequest, tell: Tell, finish: Callable[[Figure
                 tell(missing)
         rivals: list[Contender] = [*own(request, numba, torch, arrow), *others]
         standard = others[0].name if others else rivals[0].name
-        figures = Figures(tuple(r.name for r in rivals), standard, load={"before": load_averages()}, what="scenes" if request.steps is None else "time steps")
+        figures = Figures(
+            tuple(r.name for r in rivals), standard, load={"before": load_averages()}, what="scenes" if request.steps is None else "time steps"
+        )
         try:
             for number, program in enumerate(todo, 1):
                 tell(f"[{number}/{len(todo)}] {program.name}")

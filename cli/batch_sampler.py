@@ -33,8 +33,8 @@ class Portion(NamedTuple):
     """Scenes `start` to `start + len(attempts) - 1`, as lines (some at a time, good until the next are asked for), as columns or as features, how
     often which requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
-    `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `record_failed_draw` is the error that ended the job early, at the
-    scene behind the last.
+    `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at
+    the scene behind the last.
     """
 
     start: int

@@ -86,7 +86,9 @@ def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, ch
         print(f"known differences of {other.name}: {', '.join(f'{count} {class_}' for class_, count in classes.most_common())}")
     for result in listed:
         print("\n".join(lines_of(result, impl, other.dialects[0])))
-        readings = explain_failure(result.vector, result.dialect, result.verdict.reason, other.profile) if result in found.new and other.profile else None
+        readings = explain_failure(
+            result.vector, result.dialect, result.verdict.reason, other.profile
+        ) if result in found.new and other.profile else None
         if readings:
             print(f"    the same as under {', '.join(f'{id} = {alternative}' for id, alternative in readings.items())}")
     if found.new:

@@ -152,7 +152,9 @@ def show_outcomes(found: Enumeration) -> None:
     for column in columns[:MOST_COLUMNS]:
         table.add_column(escape(escape_controls(short_feature_name(column.name))), justify="right")
     for row, (p, _) in enumerate(found.outcomes[:MOST_ROWS]):
-        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escape_controls(cell(c, row))) for c in columns[:MOST_COLUMNS]))
+        table.add_row(
+            str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escape_controls(cell(c, row))) for c in columns[:MOST_COLUMNS])
+        )
     more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
     more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
     table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None

@@ -447,7 +447,8 @@ def table_of(scene: dict[str, Any]) -> Table:
     params = ", ".join(f"{name} = {format_parameter(value)}" for name, value in scene["params"].items())
     title = f"seed {scene['seed']}, scene {scene['scene']} (metres, degrees)"
     table = Table(
-        title=title, title_justify="left", title_style="bold", caption=escape(escape_controls(params)) or None, caption_justify="left", caption_style="dim",
+        title=title, title_justify="left", title_style="bold", caption=escape(escape_controls(params)) or None, caption_justify="left",
+        caption_style="dim",
         box=SIMPLE_HEAD,
     )
     for name in ("", "name", "class"):

@@ -97,7 +97,9 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             total = request.stop - request.start
         progress = stack.enter_context(Progress(total, what="simulations"))
         wanted = output is not None or request.html is not None
-        found = simulations(source, drawing, simulator, request, tally, progress, wanted) if replays is None else reported_replays(replays, request, wanted)
+        found = simulations(
+            source, drawing, simulator, request, tally, progress, wanted
+        ) if replays is None else reported_replays(replays, request, wanted)
         stack.callback(found.close)
         try:
             for run in found:

@@ -23,7 +23,9 @@ PATH = re.compile(r"(?:/[\w.+-]+){2,}")
 
 def results_text(implementation: str, results: Sequence[Result]) -> str:
     """The file: JSON with a line for each vector, in the order of their names."""
-    lines = [f"  {json.dumps(r.vector.name)}: {json.dumps(verdict_line(r), ensure_ascii=False)}" for r in sorted(results, key=lambda r: r.vector.name)]
+    lines = [
+        f"  {json.dumps(r.vector.name)}: {json.dumps(verdict_line(r), ensure_ascii=False)}" for r in sorted(results, key=lambda r: r.vector.name)
+    ]
     head = f'{{"schema": {json.dumps(SCHEMA)}, "implementation": {json.dumps(implementation)}, "results": {{\n'
     return head + ",\n".join(lines) + "\n}}\n"
 

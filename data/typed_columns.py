@@ -148,7 +148,9 @@ def constant_column(value: object, count: int) -> TypedColumn:
 
 def repeat_first_row(column: TypedColumn, count: int) -> TypedColumn:
     """The first row of a column, so many times, but once in memory."""
-    return column._replace(values=broadcast_first_row(column.values, count), valid=None if column.valid is None else broadcast_first_row(column.valid, count))
+    return column._replace(
+        values=broadcast_first_row(column.values, count), valid=None if column.valid is None else broadcast_first_row(column.valid, count)
+    )
 
 
 def broadcast_first_row(array: np.ndarray, count: int) -> np.ndarray:
@@ -268,7 +270,11 @@ def same_texts(columns: Sequence[TypedColumn]) -> tuple[list[np.ndarray], Sequen
             begun[known] = len(texts)
             texts += column.texts
         place = begun[known]
-        values.append(broadcast_first_row(column.values[:1] + place, column.rows) if is_alike(column.values) else column.values + place if place else column.values)
+        values.append(
+            broadcast_first_row(
+                column.values[:1] + place, column.rows
+            ) if is_alike(column.values) else column.values + place if place else column.values
+        )
     return values, texts
 
 

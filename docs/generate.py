@@ -172,7 +172,9 @@ def allowed_page() -> str:
         "types from which it is derived. See [running programs of others](../security.md)."
     )
     lines = ["# What a program may ask for", "", paragraph(about), "", "| type | attributes and methods |", "| --- | --- |"]
-    lines += [f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in sandbox_table.ATTRIBUTES.items()]
+    lines += [
+        f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in sandbox_table.ATTRIBUTES.items()
+    ]
     for title, known in (
         ("Builtins of Python", sandbox_table.BUILTINS), ("Names that a class may define", sandbox_table.OVERRIDES),
         ("Classes that a class may be derived from", {base.__name__ for base in sandbox_table.BASES}),

@@ -65,11 +65,19 @@ class CheckingProcess:
             line = b""
         if not line.endswith(b"\n"):
             await self.end()
-            return [whole_file_diagnostic(text.file, "the process that checks programs ended unexpectedly: does the program need more memory than there is?")]
+            return [
+                whole_file_diagnostic(
+                    text.file, "the process that checks programs ended unexpectedly: does the program need more memory than there is?"
+                )
+            ]
         self.busy = False
         found = json.loads(line)
         if "failure" in found:
-            return [whole_file_diagnostic(text.file, f"internal error: {found['failure']}; this is a fault of scenic-ref, please report it with the program")]
+            return [
+                whole_file_diagnostic(
+                    text.file, f"internal error: {found['failure']}; this is a fault of scenic-ref, please report it with the program"
+                )
+            ]
         return found["diagnostics"]
 
     async def ready(self) -> Process:
@@ -148,7 +156,11 @@ class CheckingQueue:
         await asyncio.sleep(delay)
         async with self.turn:
             if len(text.text) > LONGEST:
-                found = [whole_file_diagnostic(text.file, f"programs of more than {LONGEST:,} characters are not checked while they are typed", "information")]
+                found = [
+                    whole_file_diagnostic(
+                        text.file, f"programs of more than {LONGEST:,} characters are not checked while they are typed", "information"
+                    )
+                ]
             else:
                 found = await self.process.check(text)
         self.publish(text, found)

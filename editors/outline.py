@@ -18,8 +18,8 @@ EVERYTHING = "*"
 class Definition:
     """A name that a text defines, at `start` to `end`; what defines it reaches from `first` to `last`.
 
-    `kind` is class, function, behavior, monitor, scenario, variable, parameter, property, param (a global parameter) or import. `constructed_class` is the
-    class of what a variable is assigned, or a class is derived from. Of imports, `module` with `level` dots before it is the module, and
+    `kind` is class, function, behavior, monitor, scenario, variable, parameter, property, param (a global parameter) or import. `made`
+    is the class of what a variable is assigned, or a class is derived from. Of imports, `module` with `level` dots before it is the module, and
     `member` the name in it, \"*\" for all of them.
     """
 

@@ -277,7 +277,9 @@ def sum_leaves(leaves: list[Leaf], discretized: int | None) -> Enumeration:
         )
     feasible = sum(masses.values())
     ranked = sorted(masses, key=lambda key: -masses[key])
-    outcomes = tuple(PossibleScene(masses[key] / feasible, as_numbered_outcome(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
+    outcomes = tuple(
+        PossibleScene(masses[key] / feasible, as_numbered_outcome(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked)
+    )
     total = sum((c.probability * c.acceptance for c in coins), Fraction(0))
     return Enumeration(outcomes, total, dict(stuck), tuple(coins), len(leaves), discretized)
 

@@ -86,7 +86,9 @@ def site_picture(site: SiteMap, *, format: str = "png") -> bytes:
 
     check_format(format)
     west, south, east, north = window = bounds_of_shape([feature.shape for feature in site.features])
-    figure = new_figure(max(3.0, SITE_SIZE * min(1.0, (east - west) / (north - south))), max(3.0, SITE_SIZE * min(1.0, (north - south) / (east - west))))
+    figure = new_figure(
+        max(3.0, SITE_SIZE * min(1.0, (east - west) / (north - south))), max(3.0, SITE_SIZE * min(1.0, (north - south) / (east - west)))
+    )
     axes = figure.add_subplot()
     axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
     axes.tick_params(labelsize=8, colors="#777777", length=2)

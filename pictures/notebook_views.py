@@ -37,7 +37,9 @@ def line_of_scene(scene: Scene) -> str:
     few = [o.name or o.class_name for o in scene.objects[:5]]
     more = ", ..." if len(scene.objects) > len(few) else ""
     told = f": {', '.join(few)}{more}" if few else ""
-    return f"<scene {scene.index} of seed {scene.seed}, {count_phrase(scene.attempts, 'attempt')}, {count_phrase(len(scene.objects), 'object')}{told}>"
+    return (
+        f"<scene {scene.index} of seed {scene.seed}, {count_phrase(scene.attempts, 'attempt')}, {count_phrase(len(scene.objects), 'object')}{told}>"
+    )
 
 
 def count_phrase(number: int, thing: str) -> str:

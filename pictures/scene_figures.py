@@ -323,11 +323,14 @@ def draw_marks(axes: Axes, scene: Scene, size: int, window: Window, taken: Seque
     west, south, east, north = window
     scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
     found = marks(
-        map_features_in(scene.site, window), window, [*taken, scale], lambda text: len(shorten_name(text)) * LETTER * small * point, LINE * small * point
+        map_features_in(scene.site, window), window, [*taken, scale], lambda text: len(shorten_name(text)) * LETTER * small * point,
+        LINE * small * point
     )
     for mark in found:
         if mark.text:
-            label = axes.text(mark.x, mark.y, shorten_name(mark.text), ha="center", va="center", fontsize=small, style="italic", color=QUIET, zorder=0.9)
+            label = axes.text(
+                mark.x, mark.y, shorten_name(mark.text), ha="center", va="center", fontsize=small, style="italic", color=QUIET, zorder=0.9
+            )
             label.set_path_effects([withStroke(linewidth=1.5, foreground="white", alpha=0.85)])
             continue
         x, y = mark.ahead

@@ -89,7 +89,8 @@ def scene_shown(scene: Scene) -> Json:
     written = scene.to_json()
     found: Json = {
         "scene": scene.index, "seed": scene.seed, "attempts": scene.attempts, "ego": scene.ego_id, "count": len(scene.objects),
-        "params": cut_value(written["params"]), "digest": hashlib.sha256(content_of_scene(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
+        "params": cut_value(written["params"]), "digest": hashlib.sha256(content_of_scene(scene).encode("utf-8", "replace")).hexdigest()[:16],
+        "problem": "",
     }  # fmt: skip
     if len(scene.objects) > MOST_OBJECTS:
         return found | {"objects": [], "problem": f"{len(scene.objects):,} objects are too many to be drawn here"}
@@ -127,7 +128,9 @@ def marks_shown(scene: Scene, window: Window) -> list[Json]:
     named = [o for o in scene.objects if o.name or len(scene.objects) <= CROWD]
     scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
     taken = [scale, *map(bounds_of, scene.objects), *(named_room(o, unit) for o in named)]
-    found = marks(map_features_in(scene.site, window), window, taken, lambda text: len(shorten_name(text)) * LETTER * SMALL * unit, LINE * SMALL * unit)
+    found = marks(
+        map_features_in(scene.site, window), window, taken, lambda text: len(shorten_name(text)) * LETTER * SMALL * unit, LINE * SMALL * unit
+    )
     return [{"text": shorten_name(mark.text), "at": [mark.x, mark.y], "ahead": mark.ahead} for mark in found]
 
 

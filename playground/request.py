@@ -68,10 +68,13 @@ def request_of(body: bytes, source: Source) -> PlayRequest:
     if timestep is not None and not (isinstance(timestep, (int, float)) and not isinstance(timestep, bool) and 0.001 <= timestep <= 1000):
         raise UsageError("`timestep` is a number of seconds from 0.001 to 1000")
     return PlayRequest(
-        text_parameter(asked, "page"), text_parameter(asked, "slot"), work, chosen, integer_parameter(asked, "seed", -MOST_SEED, MOST_SEED), integer_parameter(asked, "start", 0, MOST_SEED),
+        text_parameter(asked, "page"), text_parameter(asked, "slot"), work, chosen, integer_parameter(asked, "seed", -MOST_SEED, MOST_SEED),
+        integer_parameter(asked, "start", 0, MOST_SEED),
         integer_parameter(asked, "count", 1, MOST_VALUES if work == "histogram" else MOST_SCENES, 1),
-        None if attempt is None else integer_parameter(asked, "attempt", 1, MOST_SEED), text_parameter(asked, "feature", 1000), text_parameter(asked, "expression", 10_000),
-        text_parameter(asked, "simulator"), integer_parameter(asked, "steps", 0, MOST_STEPS), timestep, text_parameter(asked, "form"), source.limits.seconds,
+        None if attempt is None else integer_parameter(asked, "attempt", 1, MOST_SEED), text_parameter(asked, "feature", 1000),
+        text_parameter(asked, "expression", 10_000),
+        text_parameter(asked, "simulator"), integer_parameter(asked, "steps", 0, MOST_STEPS), timestep, text_parameter(asked, "form"),
+        source.limits.seconds,
     )  # fmt: skip
 
 

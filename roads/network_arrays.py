@@ -85,7 +85,9 @@ class NetworkWriter:
             given = {name: value for name, value in vars(one).items() if name not in APART and not is_calculated(kind, name)}
             records.append((kind.__name__, {name: self.value(value) for name, value in given.items()}))
         text = json.dumps(records).encode()
-        return {"objects": np.frombuffer(text, dtype=np.uint8), "points": np.concatenate([np.empty((0, 2)), *self.points]), **pack_shapes(self.shapes)}
+        return {
+            "objects": np.frombuffer(text, dtype=np.uint8), "points": np.concatenate([np.empty((0, 2)), *self.points]), **pack_shapes(self.shapes)
+        }
 
     def number(self, one: Fixed) -> int:
         """The number of an object, which will be written."""

@@ -143,7 +143,9 @@ def _specifier_rules() -> list[Rule]:
 
 def _released_rules() -> list[Rule]:
     """Operators and specifiers that are not in the paper."""
-    rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released_forms.OPERATOR_REWRITINGS.values(), *released_forms.SPECIFIER_REWRITINGS.values())]
+    rewritings = [
+        _equation(r.rule, r.rewrite, RELEASED) for r in (*released_forms.OPERATOR_REWRITINGS.values(), *released_forms.SPECIFIER_REWRITINGS.values())
+    ]
     tables = (*(equations for _, equations in released_forms.OPERATORS.values()), *released_forms.WRAPPED.values())
     equations = [_equation(q.rule, q.function, RELEASED) for equations in tables for q in equations]
     specifiers_ = (forms for _, forms in released_forms.SPECIFIERS.values())

@@ -129,7 +129,9 @@ class Traffic:
         now = None if file is None else file.stat()
         key = None if now is None else (named, now.st_mtime_ns, now.st_size)
         if key not in self.maps:
-            self.maps[key] = self.converted(generate_map("grid", **DEFAULT).encode() if file is None else file.read_bytes(), named or "of the program")
+            self.maps[key] = self.converted(
+                generate_map("grid", **DEFAULT).encode() if file is None else file.read_bytes(), named or "of the program"
+            )
         return self.maps[key]
 
     def converted(self, opendrive: bytes, name: object) -> bytes:

@@ -41,7 +41,8 @@ ROOMS = ["syntax", "space", "store", "machine", "readings", "python", "scenes", 
 ONLY_IN = {
     "matplotlib": {
         "pictures/notebook_views.py", "data/scene.py", "api/scenario.py",
-        "pictures/chain_plots.py", "pictures/side_by_side.py", "pictures/map_layers.py", "pictures/scene_figures.py", "pictures/map_figures.py", "pictures/movies.py",
+        "pictures/chain_plots.py", "pictures/side_by_side.py", "pictures/map_layers.py", "pictures/scene_figures.py", "pictures/map_figures.py",
+        "pictures/movies.py",
         "docs/contact_sheets.py", "benchmarks/bar_chart.py",
     },
     "PIL": {"pictures/movies.py"},
@@ -53,7 +54,10 @@ ONLY_IN = {
     "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"pictures/chain_plots.py"}, "pyro": {"inference/pyro_adapter.py"},
     "pyproj": {"roads/geodata.py"}, "shapefile": {"roads/geodata.py"},
-    "torch": {"inference/pyro_adapter.py", *(f"inference/batch/torch_{n}.py" for n in ("lowering", "evaluator", "margins")), "inference/batch/primitives/torch_polygons.py"},
+    "torch": {
+        "inference/pyro_adapter.py", *(f"inference/batch/torch_{n}.py" for n in ("lowering", "evaluator", "margins")),
+        "inference/batch/primitives/torch_polygons.py"
+    },
     **{name: {"inference/batch/primitives/numba_kernels.py", "inference/batch/code_cache.py"} for name in ("numba", "llvmlite")},
 }
 
@@ -282,7 +286,10 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     shown, _, loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.rstrip("\n").rpartition("\n")
     ours = {name for name in loaded.split() if name.startswith("scenic_ref.") and not name.startswith("scenic_ref.cli.")}
     assert "simulate" in shown
-    assert ours == {"scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime", "scenic_ref.interpreter.runtime.limits", "scenic_ref.interpreter.runtime.supervisor"}
+    assert ours == {
+        "scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime", "scenic_ref.interpreter.runtime.limits",
+        "scenic_ref.interpreter.runtime.supervisor"
+    }
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio", "ctypes"} & set(loaded.split())
 
 

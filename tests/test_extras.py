@@ -83,7 +83,12 @@ def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch)
 )  # fmt: skip
 def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, package, None)
-    for name in [n for n in sys.modules if n.startswith(("scenic_ref.inference.pyro_adapter", "scenic_ref.inference.batch.torch_", "scenic_ref.inference.batch.primitives.torch_"))]:
+    for name in [
+        n
+        for n in sys.modules if n.startswith(
+            ("scenic_ref.inference.pyro_adapter", "scenic_ref.inference.batch.torch_", "scenic_ref.inference.batch.primitives.torch_")
+        )
+    ]:
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(UsageError, match=rf"needs the package {package}\nhint: pip install") as caught:
         use(tmp_path)

@@ -89,7 +89,9 @@ def is_dynamic(scenario: Scenario) -> bool:
 def in_scenes(program: AskedProgram, scenario: Scenario | ProgramError, other: External, settings: DiffSettings) -> ProgramVerdict:
     """Errors, and the distribution of the scenes."""
     drawing = ScenesThere(program.task, other, settings)
-    return sequential_verdict(program, scenario, other, settings, drawing.grow, lambda here, alpha: compare_scenes(program.name, here, drawing, settings, alpha))
+    return sequential_verdict(
+        program, scenario, other, settings, drawing.grow, lambda here, alpha: compare_scenes(program.name, here, drawing, settings, alpha)
+    )
 
 
 class ScenesThere:

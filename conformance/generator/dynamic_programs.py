@@ -74,7 +74,9 @@ class ProgramWriter:
     def program(self) -> str:
         """A whole program."""
         lines = ["def now():", "    return simulation.currentTime"]
-        lines += ["behavior Sub(n=4):", *indent_lines([self.pick("take n", "take n, self.x", "wait"), self.pick("take n + 10", "self.x = 1", "wait")])]
+        lines += [
+            "behavior Sub(n=4):", *indent_lines([self.pick("take n", "take n, self.x", "wait"), self.pick("take n + 10", "self.x = 1", "wait")])
+        ]
         lines += ["behavior Guarded():", f"    {self.pick('precondition', 'invariant')}: self.x < {self.pick('1', '2')}"]
         lines += indent_lines(self.block(MOST_DEPTH))
         self.guarded = True

@@ -261,7 +261,10 @@ def distribution(draft: Draft, low: float, high: float, depth: int) -> Expressio
     if draft.allows("released") and high - low >= 1:
         options.append((2, lambda: discrete_range(draft, low, high)))
     if not draft.settings.finite:
-        options += [(5, lambda: interval(draft, low, high, depth)), (2, lambda: truncated_normal_call(draft, low, high)), (1, lambda: normal(draft, low, high))]
+        options += [
+            (5, lambda: interval(draft, low, high, depth)), (2, lambda: truncated_normal_call(draft, low, high)),
+            (1, lambda: normal(draft, low, high))
+        ]
     elif draft.choices.chance(0.05):
         return point_mass(draft, low, high)
     return draft.choices.weighted(options)()
@@ -555,7 +558,12 @@ def corners(draft: Draft) -> Expression:
     """The corners of a convex polygon around the origin, anticlockwise."""
     reach = draft.settings.area
     east, north, west, south = (number_literal(draft.choices.pick([reach, reach / 2])) for _ in range(4))
-    return p.ListDisplay(items=(pair(east, number_literal(0)), pair(number_literal(0), north), pair(negative(west), number_literal(1)), pair(number_literal(0), negative(south))))
+    return p.ListDisplay(
+        items=(
+            pair(east, number_literal(0)), pair(number_literal(0), north), pair(negative(west), number_literal(1)),
+            pair(number_literal(0), negative(south))
+        )
+    )
 
 
 def negative(node: Expression) -> Expression:

@@ -72,7 +72,9 @@ def position(draft: Draft, depth: int) -> PlaceSpecifier:
         case "offset by":
             return PlaceSpecifier(q.OffsetBySpecifier(offset=expressions.vector_expression(draft, reach / 2, depth)))
         case "offset along":
-            return PlaceSpecifier(q.OffsetAlongSpecifier(direction=expressions.direction(draft, 1), offset=expressions.vector_expression(draft, reach / 2, 1)))
+            return PlaceSpecifier(
+                q.OffsetAlongSpecifier(direction=expressions.direction(draft, 1), offset=expressions.vector_expression(draft, reach / 2, 1))
+            )
         case "beyond" | "beyond from" as form:
             return PlaceSpecifier(beyond(draft, from_ego=form == "beyond"))
         case "following" | "following from" as form:

@@ -32,7 +32,9 @@ FunctionForm = Callable[[Draft], tuple[Block, Variable]]
 
 def definition(draft: Draft) -> tuple[Block, Variable]:
     """A function of one of several forms, and the variable that is bound to it."""
-    forms: list[tuple[int, FunctionForm]] = [(4, scalar_function_definition), (2, with_default), (2, variadic_definition), (1, lambda_definition), (2, closure), (1, counter)]
+    forms: list[tuple[int, FunctionForm]] = [
+        (4, scalar_function_definition), (2, with_default), (2, variadic_definition), (1, lambda_definition), (2, closure), (1, counter)
+    ]
     if objects.may_create(draft):
         forms.append((3, maker))
     return draft.choices.weighted(forms)(draft)
@@ -308,7 +310,9 @@ def random_list(draft: Draft) -> Block | None:
     known = draft.known("list", "lists")
     if known and draft.choices.chance(0.6):
         chosen = draft.choices.pick(known)
-        test = p.Lambda(parameters=(p.Parameter(name="v"),), body=comparison(name("v"), ">", expressions.scalar_literal(draft, chosen.low, chosen.high)))
+        test = p.Lambda(
+            parameters=(p.Parameter(name="v"),), body=comparison(name("v"), ">", expressions.scalar_literal(draft, chosen.low, chosen.high))
+        )
         value: Expression = call("filter", test, name(chosen.name))
         draft.define(Variable(target, "lists", chosen.low, chosen.high, size=0, most=chosen.most))
         return (assign(target, value),)
@@ -406,7 +410,11 @@ def traceless_statement(draft: Draft) -> Block | None:
         case 1:
             return (alone(call("print", constant_literal("here"), expressions.scalar_literal(draft, 0, 5))),)
         case _:
-            return (s.Assert(test=p.Comparison(left=number_literal(1), operators=("<",), operands=(number_literal(2),)), message=constant_literal("never")),)
+            return (
+                s.Assert(
+                    test=p.Comparison(left=number_literal(1), operators=("<",), operands=(number_literal(2),)), message=constant_literal("never")
+                ),
+            )
 
 
 def param(draft: Draft) -> Block:
@@ -478,7 +486,9 @@ def ego(draft: Draft) -> Block:
     else:
         draft.objects += 1
         found = [q.AtSpecifier(vector=expressions.vector_expression(draft, reach / 2, 1))]
-        found += [q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")] if draft.settings.finite else []
+        found += [
+            q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")
+        ] if draft.settings.finite else []
         value = new_object("Object", found)
     draft.has_ego = True
     draft.define(Variable("ego", "object"))
@@ -667,6 +677,8 @@ def row(draft: Draft) -> Block | None:
 def frozen(draft: Draft) -> list[q.WithSpecifier]:
     """No noise under `mutate` in finite programs; else, sometimes, a larger noise."""
     if draft.settings.finite:
-        return [q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")] if draft.allows("mutate") else []
+        return [
+            q.WithSpecifier(property=each, value=constant_literal(0)) for each in ("positionStdDev", "headingStdDev")
+        ] if draft.allows("mutate") else []
     return [q.WithSpecifier(property="positionStdDev", value=number_literal(2))] if draft.choices.chance(0.2) else []
 

@@ -1,4 +1,6 @@
-"""`serve`: an implementation in Python, behind the harness protocol. `python -m scenic_ref.conformance.implementations.harness_server` serves scenic-ref itself."""
+"""`serve`: an implementation in Python, behind the harness protocol. `python -m scenic_ref.conformance.implementations.harness_server` serves
+scenic-ref itself.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +84,9 @@ def answer_simulate(implementation: Implementation, asked: Mapping[str, Any], ta
     recorded = {} if asked["world"] is None else {"world": asked["world"]}
     if recorded and "world" not in signature(implementation.simulations).parameters:
         raise Unsupported(f"{implementation.name} does not simulate in a recorded world")
-    for run in implementation.simulations(require_task(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"], **recorded):
+    for run in implementation.simulations(
+        require_task(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"], **recorded
+    ):
         yield {"answer": "simulation", "simulation": run}
     yield {"answer": "done"}
 

@@ -188,7 +188,10 @@ def describe_factorisation(graph: Graph, chosen: Component, places: Sequence[tup
             which = ", ".join(inside[:MOST_NAMED]) + (", ..." if len(inside) > MOST_NAMED else "")
             lines_of = sorted({e.requirement.span.line for k in part.events if (e := graph.events[k]).requirement and e.requirement.span.line})
             where = f" (line{'s' * (len(lines_of) > 1)} {', '.join(map(str, lines_of[:MOST_NAMED]))})" if lines_of else ""
-            yield f"{'  ' * depth}{pluralise_count(len(part.addresses), 'draw')}, {pluralise_count(len(part.events), 'requirement')}{where}{which and ': ' + which}"
+            yield (
+                f"{'  ' * depth}{pluralise_count(len(part.addresses), 'draw')}, "
+                f"{pluralise_count(len(part.events), 'requirement')}{where}{which and ': ' + which}"
+            )
             yield from lines(part, depth + 1)
 
     return ["drawn apart, each again until the requirements about it alone hold:", *lines(chosen, 1)]

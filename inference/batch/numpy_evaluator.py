@@ -209,7 +209,9 @@ def part_of(objects: np.ndarray, name: str) -> np.ndarray:
     return np.fromiter((getattr(v, name) for v in objects), dtype=float, count=len(objects))
 
 
-def _sample_clipped_points(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
+def _sample_clipped_points(
+    node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]
+) -> np.ndarray:
     count = len(numbers)
     values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
     tests = curve_tests(found.curve, largest_radius(found.radius))
@@ -220,7 +222,9 @@ def _sample_clipped_points(node: GraphNode, draw: RowDraw, found: Clipped, colum
     return points
 
 
-def _sample_proposed_points(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
+def _sample_proposed_points(
+    node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]
+) -> np.ndarray:
     """The points that are found soon, and the others one by one."""
     points = proposed_points(found, columns, numbers, draw)
     rest = np.flatnonzero(np.isnan(points[:, 0]))

@@ -307,7 +307,8 @@ def search_rule(cumulative: Tensor, doubts: Doubts, a: Rounded) -> Rounded:
 
 
 COMPARISONS: dict[object, Rule] = {
-    np.less: comparison_rule(torch.lt), np.less_equal: comparison_rule(torch.le), np.greater: comparison_rule(torch.gt), np.greater_equal: comparison_rule(torch.ge),
+    np.less: comparison_rule(torch.lt), np.less_equal: comparison_rule(torch.le), np.greater: comparison_rule(torch.gt),
+    np.greater_equal: comparison_rule(torch.ge),
     np.equal: comparison_rule(torch.eq), np.not_equal: comparison_rule(torch.ne),
 }  # fmt: skip
 LOGICAL: dict[object, Rule] = {
@@ -328,7 +329,9 @@ NUMERIC: dict[object, Rule] = {
 """The operations on numbers, by what stands for them in a graph."""
 RULES: dict[object, Rule] = {**NUMERIC, **COMPARISONS, **LOGICAL}
 
-__all__ = ["NUMERIC", "ROUNDING", "RULES", "Doubts", "Rounded", "Rule", "as_float", "largest_of", "on_floats", "position", "search_rule", "select_rule"]
+__all__ = [
+    "NUMERIC", "ROUNDING", "RULES", "Doubts", "Rounded", "Rule", "as_float", "largest_of", "on_floats", "position", "search_rule", "select_rule"
+]
 
 
 DEVICES = ("cpu", "cuda")

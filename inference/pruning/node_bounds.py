@@ -293,5 +293,7 @@ def _factor_of(part: Operand) -> tuple[Operand, object, object]:
             return part, None, None
 
 
-__all__ = ["Aligned", "Offset", "Point", "bounds", "bounds_of_value", "difference", "field_alignment", "field_looked_up", "offset", "point_of", "terms"]
+__all__ = [
+    "Aligned", "Offset", "Point", "bounds", "bounds_of_value", "difference", "field_alignment", "field_looked_up", "offset", "point_of", "terms"
+]
 

@@ -615,7 +615,9 @@ class ScenicBuilder(BuilderBase):
 
     def make_contained_in(self, span: Span, parts: Parts) -> ContainedInSpecifier:
         if not self.dialect.explicit_new:
-            raise ParseError(f"`contained in` belongs to dialect {dialects_with_feature('explicit_new')}", span, hint="write `in R, with regionContainedIn R`")
+            raise ParseError(
+                f"`contained in` belongs to dialect {dialects_with_feature('explicit_new')}", span, hint="write `in R, with regionContainedIn R`"
+            )
         return ContainedInSpecifier(span=span, region=parts[0])
 
     def make_left_of(self, span: Span, parts: Parts) -> BesideSpecifier:
@@ -1143,7 +1145,9 @@ class DynamicsBuilder(BuilderBase):
     def waiting(self, node: WaitFor) -> WaitFor:
         """The statement. Raises ParseError where the dialect lacks it."""
         if not self.dialect.explicit_new:
-            raise ParseError(f"`wait` with a limit belongs to dialect {dialects_with_feature('explicit_new')}", node.span, hint="write `wait` in a loop")
+            raise ParseError(
+                f"`wait` with a limit belongs to dialect {dialects_with_feature('explicit_new')}", node.span, hint="write `wait` in a loop"
+            )
         return node
 
     def make_terminate(self, span: Span, parts: Parts) -> Terminate:

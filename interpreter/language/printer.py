@@ -591,7 +591,8 @@ class StatementPrinter(ExpressionPrinter):
             case d.Record():
                 when = "" if node.time == "always" else f"{node.time} "
                 period, delay = (self.limit(limit).removeprefix(" for") for limit in (node.period, node.delay))
-                return f"record {when}({self.test(node.value)}){period and ' every' + period}{delay and ' after' + delay}{print_requirement_name(node.name)}"
+                limits = f"{period and ' every' + period}{delay and ' after' + delay}"
+                return f"record {when}({self.test(node.value)}){limits}{print_requirement_name(node.name)}"
             case s.Mutate():
                 names = " ".join(["mutate", ", ".join([name.name for name in node.objects])]).rstrip()
                 return names + ("" if node.scale is None else f" by ({self.test(node.scale)})")

@@ -1,4 +1,6 @@
-"""Conditions over time that are written another way: formulas that look like calls (`require (always (B))`), times where a condition is meant, parts of definitions elsewhere."""
+"""Conditions over time that are written another way: formulas that look like calls (`require (always (B))`), times where a condition is meant, parts
+of definitions elsewhere.
+"""
 
 from __future__ import annotations
 

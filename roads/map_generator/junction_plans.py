@@ -56,7 +56,10 @@ def turns(mouths: Sequence[Mouth]) -> Iterator[PlannedManeuver]:
 
     Where the road that is left or the one that is entered has none opposite to it, the inner half of the lanes turns left, the outer half right.
     """
-    pairs = [(i, j) for i in range(len(mouths)) for j in range(len(mouths)) if i != j and driving_lane_indices(mouths[i].incoming) and driving_lane_indices(mouths[j].outgoing)]
+    pairs = [
+        (i, j) for i in range(len(mouths))
+        for j in range(len(mouths)) if i != j and driving_lane_indices(mouths[i].incoming) and driving_lane_indices(mouths[j].outgoing)
+    ]
     angles = {(i, j): turn(mouths[j].pose.heading - mouths[i].pose.heading - math.pi) for i, j in pairs}
     straight = {pair for pair, angle in angles.items() if abs(angle) < STRAIGHT}
     for (i, j), angle in angles.items():

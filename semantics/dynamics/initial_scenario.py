@@ -88,7 +88,9 @@ def precondition(requirement: Requirement, result: object, stack: Stack, state: 
     """Section "Dynamic Scenarios", "Preconditions and Invariants": "like ordinary requirements, violating any precondition causes the simulation
     to be rejected." That of the initial scenario is observed.
     """
-    return observe_requirement("D-Initial", requirement, condition_truth(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
+    return observe_requirement(
+        "D-Initial", requirement, condition_truth(result, requirement.span, state, "a precondition", "D-Initial"), stack, state
+    )
 
 
 def resume_opening_guards(frame: OpeningGuards, result: object, stack: Stack, state: State) -> Outcome:

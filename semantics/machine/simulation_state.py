@@ -61,9 +61,9 @@ class Overridden(NamedTuple):
 class Running(NamedTuple):
     """A scenario that is running: the top-level one, whose `dynamic` is None unless it is a modular one, or one that a compose block invoked.
 
-    `compose` is its compose block, None if it has none; `ran` once it has run for a time step, `over` once it has ended,
-    in the time step in which it did; `first_step` is the time step in which it began; `satisfied_eventually_lines` are the conditions of `require eventually`
-    that held at some time, by their place.
+    `compose` is its compose block, None if it has none; `ran` once it has run for a time step, `over` once it has ended, in the time step in which it
+    did; `first_step` is the time step in which it began; `satisfied` are the conditions of `require eventually` that held at some
+    time, by their place.
     """
 
     number: int

@@ -309,7 +309,9 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             result = subject.scope.bindings.get(name, MISSING)
             if result is MISSING:
                 known = [n for n in subject.scope.bindings if not n.startswith("_")]
-                raise HostException(missing_member_error(subject.name, name, AttributeError(f"module {subject.name} has no {name} in this reference"), known))
+                raise HostException(
+                    missing_member_error(subject.name, name, AttributeError(f"module {subject.name} has no {name} in this reference"), known)
+                )
             return result
         case ScenicClass():
             found = subject.method(name)

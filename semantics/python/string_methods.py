@@ -190,7 +190,9 @@ def paid_text_method(name: str) -> Any:
     method = getattr(str, name)
 
     def made(budget: Budget, text: str, *arguments: Any, **keywords: Any) -> object:
-        budget.spend(container_length(text) * max([container_length(a) for a in (*arguments, *keywords.values()) if isinstance(a, str)], default=0) // 8)
+        budget.spend(
+            container_length(text) * max([container_length(a) for a in (*arguments, *keywords.values()) if isinstance(a, str)], default=0) // 8
+        )
         return method(text, *arguments, **keywords)
 
     return made
@@ -230,7 +232,8 @@ def decode(budget: Budget, data: bytes, encoding: str = "utf-8", errors: str = "
 
 
 METHODS = {
-    **{name: paid_text_method(name) for name in SLOW}, "startswith": paid_affix_test("startswith"), "endswith": paid_affix_test("endswith"), "encode": encode,
+    **{name: paid_text_method(name) for name in SLOW}, "startswith": paid_affix_test("startswith"), "endswith": paid_affix_test("endswith"),
+    "encode": encode,
     "format": format_method, "format_map": format_map_method, "join": join, "replace": replace, "translate": translate, "expandtabs": expandtabs,
     "ljust": ljust, "rjust": rjust, "center": center, "zfill": zfill,
 }

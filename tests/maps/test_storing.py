@@ -68,7 +68,9 @@ def in_full(network: Network) -> list[object]:
     seen, waiting, found = {id(network): 0}, [network], []
     while waiting:
         one = waiting.pop()
-        given = {name: value for name, value in vars(one).items() if name not in network_arrays.APART and not network_arrays.is_calculated(type(one), name)}
+        given = {
+            name: value for name, value in vars(one).items() if name not in network_arrays.APART and not network_arrays.is_calculated(type(one), name)
+        }
         found.append((type(one), sorted((name, written(value, seen, waiting)) for name, value in given.items())))
     return found
 

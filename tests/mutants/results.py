@@ -15,7 +15,7 @@ from .changes import ROOT, Mutant
 from .vectors import VECTORS
 
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
-PACKAGES = ("semantics", "interpreter", "inference", "simulators", "scenario", "conformance")
+PACKAGES = ("semantics", "interpreter", "inference", "simulators", "api", "conformance")
 
 
 def digest(paths: Iterable[Path]) -> str:

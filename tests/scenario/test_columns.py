@@ -80,7 +80,9 @@ def test_the_type_of_a_column_and_its_values_do_not_depend_on_the_pieces(values,
 
 
 def test_zeros_of_both_signs_stay_apart_whatever_the_pieces():
-    assert told(concatenate_columns([column_of([0.0, -0.0, 0]), column_of(["x"])])) == told(column_of([0.0, -0.0, 0, "x"])) == ["0", "-0.0", "0", '"x"']
+    assert told(
+        concatenate_columns([column_of([0.0, -0.0, 0]), column_of(["x"])])
+    ) == told(column_of([0.0, -0.0, 0, "x"])) == ["0", "-0.0", "0", '"x"']
 
 
 @data
@@ -114,7 +116,9 @@ def test_a_column_of_one_value_is_a_column_like_others(values, counts):
     assert (concatenate_columns(once).kind, told(concatenate_columns(once))) == (concatenate_columns(each).kind, told(concatenate_columns(each)))
     once, each = [constant_column(value, 2) for value in values], [column_of([value] * 2) for value in values]
     assert (interleave_columns(once).kind, told(interleave_columns(once))) == (interleave_columns(each).kind, told(interleave_columns(each)))
-    assert told(concatenate_columns([concatenate_columns(once), column_of([0.5])])) == told(concatenate_columns([concatenate_columns(each), column_of([0.5])]))
+    assert told(concatenate_columns([concatenate_columns(once), column_of([0.5])])) == told(
+        concatenate_columns([concatenate_columns(each), column_of([0.5])])
+    )
 
 
 @pytest.mark.parametrize("suffix", [*(pytest.param(s, marks=data if s in (".parquet", ".arrow") else ()) for s in table_files.SUFFIXES)])

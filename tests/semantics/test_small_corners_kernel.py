@@ -1,4 +1,6 @@
-"""Small changes of `semantics/store` and `semantics/machine` that no vector can show: hints, messages, limits, and what is drawn many scenes at a time."""
+"""Small changes of `semantics/store` and `semantics/machine` that no vector can show: hints, messages, limits, and what is drawn many scenes at a
+time.
+"""
 
 from __future__ import annotations
 

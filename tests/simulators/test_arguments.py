@@ -48,7 +48,10 @@ DEFINED = {
     d.name: d for module in ("behaviors", "scenarios") for d in parse(driving_module_text(module)).statements
     if isinstance(d, (BehaviorDefinition, ScenarioDefinition))
 }  # fmt: skip
-PLAIN = {d.name: d for module in ("model", "lights", "scenarios") for d in parse(driving_module_text(module)).statements if isinstance(d, FunctionDefinition)}
+PLAIN = {
+    d.name: d for module in ("model", "lights", "scenarios")
+    for d in parse(driving_module_text(module)).statements if isinstance(d, FunctionDefinition)
+}
 """Functions of the library, those for its own use among them."""
 
 

@@ -333,7 +333,9 @@ class Child:
         if not os.read(self.ended, 1):
             _, status = os.waitpid(self.pid, 0)
             self.alive = False
-            answer_writer(number)({"answer": "crashed", "message": f"the process of the program ended with exit code {os.waitstatus_to_exitcode(status)}"})
+            answer_writer(number)(
+                {"answer": "crashed", "message": f"the process of the program ended with exit code {os.waitstatus_to_exitcode(status)}"}
+            )
 
     def close(self):
         """End it."""

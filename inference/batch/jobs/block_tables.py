@@ -44,7 +44,9 @@ class Tables:
         self.own = [[field for field in OWN_FIELDS if symbols_in(o.properties[field])] for o in template.objects]
         self.fixed = [fixed_of(template, number) for number in range(len(template.objects))]
         """For each object what is the same in all scenes: columns of one row."""
-        self.patterns = {n: interleave_columns([f[n] for f in self.fixed]) for n in self.fixed[0] if all(n in f for f in self.fixed)} if self.fixed else {}
+        self.patterns = {
+            n: interleave_columns([f[n] for f in self.fixed]) for n in self.fixed[0] if all(n in f for f in self.fixed)
+        } if self.fixed else {}
         """Columns that are the same in all scenes: the rows of one scene."""
 
     def of(self, block: Block, seed: int) -> TableColumns:

@@ -125,7 +125,9 @@ def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> dic
         place = [number_cells(part, columns, count, as_given) for part in (position.x, position.y)]
     else:
         place = [finite_number_cells(values) for values in coordinates(position, columns, count)]
-    sizes = [number_cells(value, columns, count, made) for value, made in ((heading, normalise_heading_column), (width, floats_of), (length, floats_of))]
+    sizes = [
+        number_cells(value, columns, count, made) for value, made in ((heading, normalise_heading_column), (width, floats_of), (length, floats_of))
+    ]
     x, y, heading, width, length = (Written([cells]) for cells in (*place, *sizes))
     return object_entry(number, o.name, o.class_name, x, y, heading, width, length, Written(json_object_pieces(others(o), columns, count)))
 

@@ -15,7 +15,7 @@ LEAST = 2.0**-54  # stands for the number 0 where the inverse of a distribution 
 
 
 class BadParameters(ValueError):
-    """A distribution cannot have these parameters; `parameter` names the wrong one, `to_floats` the wrong one of its values."""
+    """A distribution cannot have these parameters; `parameter` names the wrong one, `number` the wrong one of its values."""
 
     def __init__(self, distribution: str, parameter: str, reason: str, number: int | None = None) -> None:
         super().__init__(f"{distribution}: {parameter} {reason}")

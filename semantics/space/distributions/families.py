@@ -1,4 +1,6 @@
-"""The distributions of the paper's table: with a density on the line, on finitely many values with exact probabilities, and on the points of a region."""
+"""The distributions of the paper's table: with a density on the line, on finitely many values with exact probabilities, and on the points of a
+region.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Regions with a closed form: discs, sectors and rectangles (Disc and Sector of the paper), and those without area: polylines (such as curbs) and finite sets of points."""
+"""Regions with a closed form: discs, sectors and rectangles (Disc and Sector of the paper), and those without area: polylines (such as curbs) and
+finite sets of points.
+"""
 
 from __future__ import annotations
 
@@ -183,7 +185,9 @@ class SectorRegion(Region):
         if self.angle > math.pi:
             return parameter_intervals.intersection(disc, parameter_intervals.union(past_right, before_left))
         ahead = parameter_intervals.where_nonnegative(middle.x * a.x + middle.y * a.y, middle.x * b.x + middle.y * b.y)
-        return parameter_intervals.intersection(disc, parameter_intervals.intersection(ahead, parameter_intervals.intersection(past_right, before_left)))
+        return parameter_intervals.intersection(
+            disc, parameter_intervals.intersection(ahead, parameter_intervals.intersection(past_right, before_left))
+        )
 
     def measure(self) -> float:
         return smaller(self.angle, TAU) * self.radius * self.radius / 2
