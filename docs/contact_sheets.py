@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..data.simulation import Simulated
-from ..pictures.map_layers import Window, draw_lights, draw_site
-from ..pictures.movies import Course, courses_of
-from ..pictures.scene_figures import INK, draw_land, draw_scale, figure_bytes, new_figure
-from ..roads.network import MapWorkspace
-from ..semantics.space.geometry import corners, direction
+from scenic_ref.data.simulation import Simulated
+from scenic_ref.pictures.map_layers import Window, draw_lights, draw_site
+from scenic_ref.pictures.movies import Course, courses_of
+from scenic_ref.pictures.scene_figures import INK, draw_land, draw_scale, figure_bytes, new_figure
+from scenic_ref.roads.network import MapWorkspace
+from scenic_ref.semantics.space.geometry import corners, direction
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,6 +12,7 @@ from textwrap import dedent
 
 import scenic_ref
 from code_pages import cell, command_pages, commands_page, constructors_page, paragraph
+from contact_sheets import contact_sheet
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzz.triage import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known_differences import CLASSES, KnownCause, causes, shipped_differences
@@ -20,7 +21,6 @@ from scenic_ref.conformance.measurements import measurements
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
-from scenic_ref.docs.contact_sheets import contact_sheet
 from scenic_ref.pictures.map_figures import map_picture
 from scenic_ref.pictures.side_by_side import side_by_side
 from scenic_ref.roads import made_map
