@@ -83,7 +83,7 @@ def test_pygments_finds_the_lexer_by_its_entry_point() -> None:
 
 def test_the_textmate_grammar_is_current(textmate: ModuleType) -> None:
     written = (ROOT / "docs" / "scenic.tmLanguage.json").read_text(encoding="utf-8")
-    assert written == textmate.text()  # python docs/textmate.py
+    assert written == textmate.grammar_json()  # python docs/textmate.py
     for pattern in json.loads(written)["patterns"]:
         for key in ("match", "begin", "end"):
             re.compile(pattern.get(key, "")) if "(?i:[rbuf]" not in pattern.get(key, "") else None
