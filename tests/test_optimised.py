@@ -12,7 +12,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = (
-    "semantics", "maps", "interpreter", "formats", "inference", "simulators", "scenario", "conformance", "testing", "benchmarks", "editors", "cli",
+    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "testing", "conformance", "benchmarks", "editors",
+    "playground", "cli",
 )  # fmt: skip
 PURE = {
     "isinstance", "issubclass", "len", "type", "all", "any", "hasattr", "callable", "is_object", "set", "sum", "max", "min", "sorted", "map",

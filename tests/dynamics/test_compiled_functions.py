@@ -67,7 +67,9 @@ WRONG = {
     "keywords are left out": (compiled_library.FunctionCode.bindings, "bound[name] = value", "pass"),
     "defaults are the first of all": (compiled_library.FunctionCode.bindings, "function.defaults[name]", "next(iter(function.defaults.values()))"),
     "a function is called in the scope of its caller": (Calls.applied, "Scope.of_call(function.scope", "Scope.of_call(scope"),
-    "properties may draw": (Calls.property, "self.choose, self.price = refuse_property_draw, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))", "pass"),
+    "properties may draw": (
+        Calls.property, "self.choose, self.price = refuse_property_draw, max(OF_HOST, self.fuel // (STEPS * MOST_OF_HOST))", "pass"
+    ),
     "any looks at all": (Calls.quantified, "try:\n        for", "try:\n        found = list(found)\n        for"),
     "all is any": (Calls.quantified, "wanted = function is any", "wanted = True"),
     "elements are taken once": (Calls.elements, "return iterable", "return tuple(iterable)"),

@@ -1,4 +1,4 @@
-"""How any maps are read here, in the release and by `ad_map_access`: `python -m scenic_ref.tests.maps.beside_others FILE.xodr...`, with figures.
+"""How any maps are read here, in the release and by `ad_map_access`: `python -m scenic_ref.tests.roads.beside_others FILE.xodr...`, with figures.
 
 Differences that `EXPLAINED` explains are only counted.
 """

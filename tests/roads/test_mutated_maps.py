@@ -1,6 +1,6 @@
 """Broken and hostile maps: each is a map, or an error that says so; none ends the process, waits for ever or goes through more than its limits.
 
-`python tests/maps/test_mutated_maps.py PARSER FIRST LAST` reads mutated inputs FIRST to LAST - 1 in a process that may die.
+`python tests/roads/test_mutated_maps.py PARSER FIRST LAST` reads mutated inputs FIRST to LAST - 1 in a process that may die.
 """
 
 from __future__ import annotations
