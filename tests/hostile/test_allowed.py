@@ -119,7 +119,7 @@ def ends_of(text: str) -> str | list[object]:
     """The error of a program, or what it put into `out`."""
     config = scenic_ref.loads(BEFORE + text + "\n", fuel=50_000)
     try:
-        ended = crawling.run(config.start(), crawling.from_stream(0, 0, 0), fuel=50_000)
+        ended = crawling.generate_scene(config.start(), crawling.from_stream(0, 0, 0), fuel=50_000)
     except errors.ScenicError as error:
         assert not isinstance(error, errors.InternalError)
         return str(error)
