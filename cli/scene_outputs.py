@@ -393,8 +393,6 @@ def open_output(path: str | None, *, resume: bool, stream: str = "jsonl", kind: 
             raise UsageError("--format is about standard output; the format of a file is told by its ending", hint="write -o PATH.arrow, or -o -")
         return ArrowPipe()
     if path is None and sys.stdout.isatty():
-        # DROPPED
-
         return Terminal()
     if path is None or path == "-":
         return Pipe()

@@ -81,7 +81,7 @@ def test_geos_without_memory_is_an_error_within_the_walls(monkeypatch, capfd):
 
 @linux
 @pytest.mark.slow
-@pytest.mark.parametrize("limit", ["16M", "100M", "300M"])
+@pytest.mark.parametrize("limit", ["32M", "100M", "300M"])
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_the_library_that_writes_a_table_has_memory_of_its_own(suffix, limit, tmp_path):
     done = written(tmp_path, PLAIN, "-n", "3", "-o", f"o{suffix}", "--limit-memory", limit)
@@ -93,7 +93,7 @@ def test_the_library_that_writes_a_table_has_memory_of_its_own(suffix, limit, tm
 @pytest.mark.slow
 @pytest.mark.extra("parquet")
 def test_the_library_that_writes_a_stream_has_memory_of_its_own(tmp_path):
-    done = written(tmp_path, PLAIN, "-n", "3", "--format", "arrow", "--limit-memory", "16M")
+    done = written(tmp_path, PLAIN, "-n", "3", "--format", "arrow", "--limit-memory", "32M")
     assert (done.returncode, bool(done.stdout)) == (0, True), done.stderr
 
 
