@@ -101,7 +101,7 @@ def the_first_alone(node: object, values: list[object], stack: object, state: St
 @pytest.mark.parametrize(
     ("where", "name", "planted"),
     [
-        (mutation, "mutated", sideways), (mutation, "normal_of", unscaled), (mutation, "normal_of", turned_as_moved),
+        (mutation, "mutate_object", sideways), (mutation, "normal_of", unscaled), (mutation, "normal_of", turned_as_moved),
         (termination, "as_captured", before_the_noise), (statements, "conclude_mutate", the_first_alone),
     ],
 )  # fmt: skip
