@@ -194,7 +194,10 @@ def tails(node: object, stack: Stack, state: State) -> Config:
 @needs_coq
 @pytest.mark.parametrize(
     ("where", "name", "planted"),
-    [(statements, "observe_requirement", unchecked), (termination, "check_default_requirements", all_hold), (statements, "check_soft_requirement", tails)],
+    [
+        (statements, "observe_requirement", unchecked), (termination, "check_default_requirements", all_hold),
+        (statements, "check_soft_requirement", tails)
+    ],
 )
 def test_a_machine_with_a_wrong_rule_is_noticed(
     where: object, name: str, planted: object, theories: list[Answer], monkeypatch: pytest.MonkeyPatch
