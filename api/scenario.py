@@ -76,7 +76,7 @@ if TYPE_CHECKING:
 
 
 class ForPyro(NamedTuple):
-    """What `inference.pyro_adapter` has."""
+    """The classes and functions of `inference.pyro_adapter`, which needs Pyro."""
 
     kernel: type[SceneKernel]
     numbers: type[NumberModel]
@@ -144,7 +144,7 @@ def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATT
 
 
 def facts_of(constants: dict[str, object], batch: Batch | None, pruned: Draws) -> Facts:
-    """What is known of the scenes: with a graph, also the supports that it shows and the features that it suggests.
+    """Return what is known of the scenes before any is drawn: constants, and with a graph the supports that it shows and the features that it suggests.
 
     Where runs that the graph does not describe are left to the interpreter, there are no supports.
     """
@@ -525,7 +525,7 @@ class Scenario:
 
     @cached_property
     def compiled(self) -> Library:
-        """What is compiled of the behaviors so far."""
+        """The library of compiled behaviors, monitors and functions; it grows while simulations run."""
         return Library(self.readings)
 
     def simulate_many(

@@ -96,11 +96,14 @@ class Source:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
         from ..api.loading import scenario_of
         from ..inference.batch.torch_devices import check_device
+        from ..interpreter.language.dialects import choose
+        from ..interpreter.language.parser import tables
         from ..interpreter.runtime.process_sandbox import WALL
 
         if self.device is not None:
             check_device(self.device)  # which also prepares it: CUDA takes more of the address space than the wall leaves
         if not self.trust:
+            tables(choose(self.text, self.dialect).released)  # the parser's own memory is no part of what a program may take
             WALL.build(self.limits)
         scenario = scenario_of(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),

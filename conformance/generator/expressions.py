@@ -139,7 +139,7 @@ def from_list(draft: Draft, low: float, high: float, depth: int) -> Expression:
 
 
 def gone_through(draft: Draft, xs: Expression) -> Expression:
-    """What a generator over a list gives: its first element, or all of them together."""
+    """An expression of the elements of a generator over a list: the first one, or all of them together."""
     one, other = draft.fresh("y"), draft.fresh("y")
     if draft.choices.chance(0.5):
         target, source, element = name(one), draft.choices.pick([xs, call("reversed", xs)]), operation(name(one), "+", scalar_literal(draft, 0, 2))
@@ -476,7 +476,7 @@ def composed_vector(draft: Draft, reach: float, depth: int) -> list[Option]:
 
 
 def direction(draft: Draft, depth: int) -> Expression:
-    """What follows `offset along`: a heading or a field."""
+    """The direction of `offset along`: a heading or a field."""
     options: list[Option] = [(3, lambda: heading_argument(draft, depth))]
     if draft.known("field"):
         options.append((3, lambda: name(draft.choices.pick(draft.known("field")).name)))

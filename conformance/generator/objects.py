@@ -225,7 +225,7 @@ def class_definition(draft: Draft) -> tuple[s.ClassDefinition, Class]:
 
 
 def derived_default(draft: Draft) -> Expression:
-    """What follows from where an object stands and how large it is; nothing else depends on it."""
+    """Properties that an object derives from its position and size, which no other property depends on."""
     position, size = attribute(name("self"), "position"), attribute(name("self"), draft.choices.pick(["width", "length"]))
     match draft.choices.integer(0, 2):
         case 0:

@@ -109,6 +109,8 @@ def tables_in(place: Path, key: str, layout: Layout) -> Lark | None:
             return None
         kept["data"]["options"]["postlex"] = layout
         return Lark.load(kept)
+    except MemoryError:
+        raise
     except Exception:  # whoever wrote the file may have written anything
         return None
 

@@ -6,6 +6,9 @@ import os
 import stat
 from pathlib import Path
 
+SMALLEST_PIECE = 1 << 12
+"""Bytes that are read at a time of a file that says it is empty."""
+
 
 def read_regular_file(path: Path | str, largest: int) -> bytes:
     """Return what is in a file of at most so many bytes. Raises `OSError`, for a pipe, a device and a larger file as well, without waiting for it."""
@@ -13,7 +16,10 @@ def read_regular_file(path: Path | str, largest: int) -> bytes:
         found = os.fstat(file.fileno())
         if not stat.S_ISREG(found.st_mode):
             raise OSError(0, "it is no ordinary file", str(path))
-        data = file.read(largest + 1)
+        piece = min(max(found.st_size, SMALLEST_PIECE), largest) + 1  # `read` takes memory for all that it is asked for
+        data = file.read(piece)
+        while len(data) <= largest and (more := file.read(piece)):  # it has grown, or does not say its size
+            data += more
     if len(data) > largest:
         raise OSError(0, f"it is too large, at most {largest >> 20} MiB", str(path))
     return data

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from scenic_ref.cli.session import Session
 from scenic_ref.errors import ProgramError
 from scenic_ref.interpreter.runtime.limits import Limits
 from scenic_ref.interpreter.runtime.process_sandbox import WALL, limit_time
+from scenic_ref.interpreter.runtime.regular_file import read_regular_file
 from scenic_ref.roads.geodata import read_site
 from scenic_ref.semantics.machine.values import Native
 from scenic_ref.semantics.python import builtins
@@ -81,7 +83,7 @@ def test_geos_without_memory_is_an_error_within_the_walls(monkeypatch, capfd):
 
 @linux
 @pytest.mark.slow
-@pytest.mark.parametrize("limit", ["32M", "100M", "300M"])
+@pytest.mark.parametrize("limit", ["16M", "100M", "300M"])
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_the_library_that_writes_a_table_has_memory_of_its_own(suffix, limit, tmp_path):
     done = written(tmp_path, PLAIN, "-n", "3", "-o", f"o{suffix}", "--limit-memory", limit)
@@ -93,7 +95,7 @@ def test_the_library_that_writes_a_table_has_memory_of_its_own(suffix, limit, tm
 @pytest.mark.slow
 @pytest.mark.extra("parquet")
 def test_the_library_that_writes_a_stream_has_memory_of_its_own(tmp_path):
-    done = written(tmp_path, PLAIN, "-n", "3", "--format", "arrow", "--limit-memory", "32M")
+    done = written(tmp_path, PLAIN, "-n", "3", "--format", "arrow", "--limit-memory", "16M")
     assert (done.returncode, bool(done.stdout)) == (0, True), done.stderr
 
 
@@ -106,3 +108,18 @@ def test_a_table_that_needs_too_much_memory_is_an_error_of_the_program(suffix, t
     assert done.returncode == 1, done.stderr
     assert b"needs more memory than" in done.stderr and b"--limit-memory" in done.stderr
     assert [file.name for file in tmp_path.iterdir()] == ["p.scenic"]
+
+
+def test_reading_a_file_takes_the_memory_of_the_file_and_not_of_the_largest_that_may_be(tmp_path):
+    (tmp_path / "small").write_bytes(b"x" * 1000)
+    tracemalloc.start()
+    try:
+        assert read_regular_file(tmp_path / "small", 1 << 28) == b"x" * 1000
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+    assert read_regular_file(tmp_path / "small", 1000) == b"x" * 1000
+    with pytest.raises(OSError, match="too large"):
+        read_regular_file(tmp_path / "small", 999)
+    if Path("/proc/self/status").exists():  # which does not say its size
+        assert read_regular_file("/proc/self/status", 1 << 20).startswith(b"Name:")
