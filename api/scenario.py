@@ -144,7 +144,8 @@ def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATT
 
 
 def facts_of(constants: dict[str, object], batch: Batch | None, pruned: Draws) -> Facts:
-    """Return what is known of the scenes before any is drawn: constants, and with a graph the supports that it shows and the features that it suggests.
+    """Return what is known of the scenes before any is drawn: constants, and with a graph the supports that it shows and the features that it
+    suggests.
 
     Where runs that the graph does not describe are left to the interpreter, there are no supports.
     """

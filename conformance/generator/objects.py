@@ -225,7 +225,7 @@ def class_definition(draft: Draft) -> tuple[s.ClassDefinition, Class]:
 
 
 def derived_default(draft: Draft) -> Expression:
-    """Properties that an object derives from its position and size, which no other property depends on."""
+    """A default value computed from the position and size of the object, on which no other property depends."""
     position, size = attribute(name("self"), "position"), attribute(name("self"), draft.choices.pick(["width", "length"]))
     match draft.choices.integer(0, 2):
         case 0:
