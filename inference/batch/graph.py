@@ -127,7 +127,8 @@ class RowCall:
 
     `result` is the type that every row must give, or None where that is `optional`; else, or if an exception is raised, the row is left
     to the interpreter. With `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is
-    that of one row. If there are values `among` which every row's must be, these are their identities. `kept` are results, by what was drawn.
+    that of one row. If there are values `among` which every row's must be, these are their identities. `kept` are results with
+    the values that they are of, by the identities of these.
     """
 
     function: Callable[..., object]
@@ -139,7 +140,7 @@ class RowCall:
     budget: Budget
     optional: bool = False
     among: frozenset[int] = frozenset()
-    kept: dict[object, object] = field(default_factory=dict)
+    kept: dict[object, tuple[list[object], object]] = field(default_factory=dict)
 
     def gives(self, value: object) -> bool:
         """Whether a row may have this value. Where the run that was traced has None, nothing was done that depends on what others have."""

@@ -272,21 +272,27 @@ InRow = Callable[[Callable[[GraphNode], object], int], object]
 
 @lru_cache(maxsize=256)
 def _row_caller(call: RowCall) -> InRow:
-    """What makes the call in a row: once for what elements of a map, truth values and whole numbers are drawn, where it hangs on nothing else."""
+    """Return what makes the call in a row; only once for the same elements of a map, truth values and whole numbers, if it depends on nothing
+    else and its result stays what it is.
+    """
     arguments, keywords = row_maker(call.structure), row_maker(call.keywords)
     nodes = list(dict.fromkeys(nodes_in((call.structure, call.keywords))))
     may_keep = all(node.kind != "float" for node in nodes)
 
     def in_row(resolve: Callable[[GraphNode], object], row: int) -> object:
-        key = tuple([kept_as(resolve(node)) for node in nodes]) if may_keep else (None,)
-        if None in key:
+        values = [resolve(node) for node in nodes] if may_keep else []
+        if not may_keep or not all(type(value) in (bool, int) or isinstance(value, Unchanging) for value in values):
             return called(resolve)
-        found = call.kept.get(key)
-        if found is None:
-            found = call.kept[key] = called(resolve)
-            if len(call.kept) > MOST_KEPT:
+        key = tuple([(type(value), value) if type(value) in (bool, int) else id(value) for value in values])
+        if key in call.kept:
+            result = call.kept[key][1]
+            return list(result) if type(result) is list else result
+        result = called(resolve)
+        if stays(result):
+            if len(call.kept) >= MOST_KEPT:
                 call.kept.clear()
-        return list(found) if type(found) is list else found
+            call.kept[key] = values, result  # with the values, so that no other gets the identity of one
+        return list(result) if type(result) is list else result
 
     def called(resolve: Callable[[GraphNode], object]) -> object:
         call.budget.renew()
@@ -299,9 +305,11 @@ def _row_caller(call: RowCall) -> InRow:
     return in_row
 
 
-def kept_as(value: object) -> object:
-    """What stands for a value in the key of a call whose result is kept: the identity of one that stays what it is; None for any other."""
-    return (type(value), value) if type(value) in (bool, int) else id(value) if isinstance(value, Unchanging) else None
+def stays(result: object) -> bool:
+    """Return whether nobody can change a result of a call, or a list of such results apart from the list itself."""
+    if type(result) in (list, tuple):
+        return all(isinstance(item, Unchanging) for item in result)  # type: ignore[attr-defined]
+    return isinstance(result, Unchanging) or type(result) in (bool, int, float, str, type(None))
 
 
 def _row_drawer(draw: RowDraw, numbers: Numbers) -> InRow:
