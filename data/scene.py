@@ -18,7 +18,7 @@ from ..roads.user_maps import SiteMap
 from ..semantics.machine.config import State
 from ..semantics.machine.operand_kinds import is_scalar
 from ..semantics.machine.value_nesting import check_nesting
-from ..semantics.machine.values import Instance, unwrap, value_in_run
+from ..semantics.machine.values import Instance, copy_containers, unwrap, value_in_run
 from ..semantics.programs import ego_of
 from ..semantics.python.string_methods import stable_repr
 from ..semantics.scenes.default_requirements import workspace_of
@@ -275,8 +275,9 @@ def scene_of(
     """
     check_written(state)
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
-    objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
-    params = {name: unwrap(value)[0] for name, value in state.params.items()}
+    seen: dict[int, tuple[object, object]] = {}
+    objects = tuple(_scene_object(i, instance, state, seen) for i, instance in enumerate(state.scene))
+    params = {name: copy_containers(unwrap(value)[0], seen) for name, value in state.params.items()}
     workspace = workspace_of(state)
     ego = ego_of(state, simulated=simulated)
     return Scene(objects, None if ego is None else numbers[ego.number], params, seed, index, attempts, weight, workspace, pruned, site_of(state))
@@ -291,8 +292,8 @@ def check_written(state: State) -> None:
             check_nesting(f"the property {name} of {state.names.get(instance.number) or instance.class_.name}", value)
 
 
-def _scene_object(number: int, instance: Instance, state: State) -> SceneObject:
-    properties = {name: unwrap(value)[0] for name, value in state.objects[instance.number].items()}
+def _scene_object(number: int, instance: Instance, state: State, seen: dict[int, tuple[object, object]]) -> SceneObject:
+    properties = {name: copy_containers(unwrap(value)[0], seen) for name, value in state.objects[instance.number].items()}
     position, heading, width, length = (properties.pop(name) for name in OWN_FIELDS)
     assert isinstance(position, Vector)
     return SceneObject(

@@ -22,7 +22,7 @@ from ..semantics.machine.config import Config, State
 from ..semantics.machine.error_places import caller_in, of_program
 from ..semantics.machine.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.machine.simulation_state import Running, satisfied_eventually_lines, simulation_of, span_line_text
-from ..semantics.machine.values import Instance, value_in_run
+from ..semantics.machine.values import Instance, copy_containers, value_in_run
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.store.errors import RunError, SimulatorError, UsageError
@@ -181,7 +181,7 @@ def simulate_scene(
             shown = state.scene
             ids = {instance.number: k for k, instance in enumerate(state.scene)}
             same = all(number == id for number, id in ids.items())
-        actions = outcome.actions if same else {ids[n]: taken for n, taken in outcome.actions.items()}
+        actions = {n if same else ids[n]: copy_containers(taken, {}) for n, taken in outcome.actions.items()}
         before = poses(state, simulator)
         try:
             if len(made) < len(state.scene):
@@ -269,7 +269,7 @@ def new_bodies(state: State, known: int) -> list[Body]:
 def body_of(id: int, state: State) -> Body:
     """An object for the simulator."""
     instance = state.scene[id]
-    return Body(id, instance.class_.name, {name: value_in_run(value) for name, value in state.objects[instance.number].items()})
+    return Body(id, instance.class_.name, {name: copy_containers(value_in_run(value), {}) for name, value in state.objects[instance.number].items()})
 
 
 def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:

@@ -28,7 +28,8 @@ from ..machine.simulation_state import (
     with_scenario,
     with_simulation,
 )  # fmt: skip
-from ..machine.values import Dynamic, value_in_run
+from ..machine.value_nesting import check_nesting, expanded_size
+from ..machine.values import Dynamic, copy_containers, value_in_run
 from ..store.errors import GuardViolation, RunError
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
@@ -127,9 +128,11 @@ def conclude_record(node: d.Record, result: object, stack: Stack, state: State) 
     Of `record initial E` that is so in the first time step of the scenario, of `record final E` in its last. The last statement of a name counts.
     """
     name, now = name_of_record(node), simulation_of(state).step
+    check_nesting("a recorded value", result, node.span)
+    state.settings.door.budget.spend(expanded_size(result))
     recorded = simulation_of(state).recorded
     before = () if node.time == "final" else tuple(earlier for earlier in recorded.get(name, ()) if earlier[0] < now)
-    after = with_simulation(state, recorded={**recorded, name: (*before, (now, value_in_run(result)))})
+    after = with_simulation(state, recorded={**recorded, name: (*before, (now, copy_containers(value_in_run(result), {})))})
     return Next("D-Record", Config(PASS, stack, after), node)
 
 

@@ -9,7 +9,8 @@ Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields
 
 from __future__ import annotations
 
-from collections import deque
+import operator
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
@@ -130,6 +131,43 @@ def _refill_container(container: object, content: object) -> object:
     result.clear()  # type: ignore[attr-defined]
     (dict.update if isinstance(result, dict) else type(result).extend)(result, content)  # type: ignore[attr-defined, call-arg]
     return result
+
+
+def copy_containers(value: Any, seen: dict[int, tuple[object, object]]) -> Any:
+    """The value as it is now: its containers are copied, so that later changes do not reach them.
+
+    `seen` holds each container that was met, with its copy, by its `id`: what is shared stays shared.
+    """
+    kind: Any = type(value)
+    if kind is Random:
+        inner = copy_containers(value.value, seen)
+        return value if inner is value.value else Random(inner, value.origin)
+    if not isinstance(value, COPIED):
+        return value
+    if id(value) in seen:
+        return seen[id(value)][1]
+    if isinstance(value, tuple):
+        parts = [copy_containers(part, seen) for part in items_of(value)]
+        same = all(map(operator.is_, parts, items_of(value)))
+        return seen.setdefault(id(value), (value, value if same else tuple.__new__(kind, parts)))[1]
+    made = kind.__new__(kind)
+    seen[id(value)] = value, made
+    if attributes := getattr(value, "__dict__", None):
+        made.__dict__.update(attributes)
+    if isinstance(value, dict):
+        dict.update(made, {key: copy_containers(item, seen) for key, item in dict.items(value)})
+        if isinstance(value, defaultdict):
+            made.default_factory = value.default_factory
+    elif isinstance(value, Set):
+        Set.renewed(made, dict(value.order))
+    elif isinstance(value, deque):
+        deque.__init__(made, (copy_containers(item, seen) for item in items_of(value)), value.maxlen)
+    else:
+        list.extend(made, [copy_containers(item, seen) for item in items_of(value)])
+    return made
+
+
+COPIED = (list, tuple, dict, deque, Set)
 
 
 def wrap(value: object, origin: Origin | None) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from ..machine.conditions import condition_truth
@@ -13,7 +14,7 @@ from ..machine.outcome import Change, Draw, Next, Observe, Outcome, Requirement,
 from ..machine.premises import premises
 from ..machine.simulation_state import check_setup
 from ..machine.value_nesting import check_nesting
-from ..machine.values import Instance, Origin, Random, unwrap, value_in_run
+from ..machine.values import Instance, Origin, Random, copy_containers, unwrap, value_in_run
 from ..python.assignment import finish_statement
 from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
@@ -127,7 +128,7 @@ def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
 
 def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
     """⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O⟩, and ⟨require B⟩ is checked at the end, on what σ and O hold here (reading `requirement-capture`)."""
-    captured = Captured(state.sigma.snapshot(), state.ego, state.workspace, state.objects)
+    captured = Captured(state.sigma.snapshot(partial(copy_containers, seen={})), state.ego, state.workspace, state.objects)
     return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
 
 

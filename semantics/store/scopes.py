@@ -9,14 +9,13 @@ updated in place, each change noted (`versions`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import NamedTuple
 
 from ..syntax import dynamics, python_expressions, statements
 from ..syntax.nodes import Node
-from .sets import Set
 from .undo_log import MISSING, Content, Entry, Versions
 
 BEGUN = "*begun*"
@@ -118,36 +117,12 @@ class Scope:
         self.bindings.clear()
         self.bindings.update(bindings)
 
-    def snapshot(self, seen: dict[int, object] | None = None) -> Scope:
-        """A copy that later assignments do not reach, not even those to elements (reading `requirement-capture`)."""
+    def snapshot(self, copied: Callable[[object], object]) -> Scope:
+        """A copy that later assignments do not reach (reading `requirement-capture`), whose values are `copied`."""
         if self.kind == "builtins":
             return self
-        seen = {} if seen is None else seen
-        around = self.versions if self.parent is None else self.parent.snapshot(seen)
-        return Scope(self.kind, around, self.names, {name: copy_containers(value, seen) for name, value in self.bindings.items()}, self.package)
-
-
-def copy_containers(value: object, seen: dict[int, object]) -> object:
-    """The value with its lists, dictionaries and sets copied; `seen` keeps what is shared shared."""
-    if type(value) not in (list, dict, Set, tuple):
-        return value
-    if id(value) in seen:
-        return seen[id(value)]
-    match value:
-        case list():
-            items: list[object] = []
-            seen[id(value)] = items
-            items.extend(copy_containers(v, seen) for v in value)
-            return items
-        case dict():
-            entries: dict[object, object] = {}
-            seen[id(value)] = entries
-            entries.update((k, copy_containers(v, seen)) for k, v in value.items())
-            return entries
-        case Set():
-            return seen.setdefault(id(value), value.copy())
-        case _:
-            return tuple(copy_containers(v, seen) for v in value)  # type: ignore[union-attr]
+        around = self.versions if self.parent is None else self.parent.snapshot(copied)
+        return Scope(self.kind, around, self.names, {name: copied(value) for name, value in self.bindings.items()}, self.package)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

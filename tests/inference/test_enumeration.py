@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 import scenic_ref
 from scenic_ref.inference.comparison import Categorical, contradicts
-from scenic_ref.inference.enumeration import radical_inverse
+from scenic_ref.inference.enumeration import content_of_scene, radical_inverse
 from scenic_ref.semantics.store import errors
 
 F = Fraction
@@ -137,3 +137,19 @@ def test_the_json_can_be_read_back():
     found = json.loads(json.dumps(scenic_ref.loads("ego = Object\nparam r = Uniform(1, 2)\n").enumerate().to_json()))
     assert found["schema"] == "scenic-ref/enumeration/1"
     assert [o["probability"] for o in found["outcomes"]] == ["1/2", "1/2"]
+
+
+CHANGED = {
+    "list": ("L = []", "L.append(x)", "L"), "deque": ("from collections import deque\nQ = deque([])", "Q.append(x)", "Q"),
+    "counter": ("from collections import Counter\nC = Counter()", "C['n'] += 1", "C"), "nested": ("D = {'a': ([],)}", "D['a'][0].append(x)", "D"),
+    "set": ("S = {1}", "S.add(9)", "S"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", CHANGED)
+def test_what_a_run_changes_does_not_change_the_scenes_of_others(kind: str):
+    before, change, value = CHANGED[kind]
+    program = scenic_ref.loads(f"{before}\nx = Uniform(1, 2, 3)\nego = Object at (x, 0), with value {value}\n{change}\nparam value = {value}\n")
+    enumerated = {content_of_scene(scene) for scene in program.enumerate().scenes}
+    assert enumerated == {content_of_scene(program.sample(seed)) for seed in range(60)}
+    assert len(enumerated) == 3

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from scenic_ref.api import loads
 from scenic_ref.data.simulation import to_line
+from scenic_ref.semantics.store.errors import RunError
 
 PROGRAM = """
 ego = Object at 1 @ 2
@@ -32,3 +34,44 @@ def test_without_a_record_statement_there_is_none_in_the_file():
 def test_of_two_statements_of_one_name_the_last_counts():
     run = loads("ego = Object at 1 @ 2\nrecord ego.x as a\nrecord ego.y as a\n", dialect="scenic-2.1").simulate(steps=2, seed=1).simulation
     assert run.records["a"] == ((0, 2), (1, 2), (2, 2))
+
+
+@pytest.mark.parametrize("backend", ["interpreter", "compiled"])
+def test_a_simulation_holds_values_as_they_were(backend: str):
+    text = """\
+from collections import deque
+L, Q, D = [1], deque([1]), {'a': ([1],)}
+behavior B():
+    while True:
+        take (L,)
+        L.append(2)
+        Q.append(2)
+        D['a'][0].append(2)
+ego = Object with tags L, with behavior B
+param D = D
+record L as L
+record list(Q) as Q
+record D as D
+record initial (L, Q) as begin
+"""
+    written = json.loads(to_line(loads(text, dialect="scenic-2.1").simulate("still", 3, backend=backend).simulation, 1))
+    grown = [[1], [1], [1, 2], [1, 2, 2]]  # a behavior goes on where the next time step begins, after the values were recorded
+    assert written["records"]["L"] == [[k, kept] for k, kept in enumerate(grown)]
+    assert written["records"]["Q"] == written["records"]["L"]
+    assert written["records"]["D"] == [[k, {"a": [kept]}] for k, kept in enumerate(grown)]
+    assert written["records"]["begin"] == [[0, [[1], {"repr": "deque([1])"}]]]
+    assert [step["actions"]["0"] for step in written["steps"][:3]] == [[[1]], [[1, 2]], [[1, 2, 2]]]
+    assert (written["scene"]["objects"][0]["properties"]["tags"], written["scene"]["params"]["D"]) == ([1], {"a": [[1]]})
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        ("L = [1]\nL.append(L)", "a recorded value contains itself"),
+        ("L = [1]\nfor i in range(60): L = [L, L]", "a recorded value has more than 2,000,000"),
+    ],
+)
+def test_a_value_that_cannot_be_written_is_not_recorded(value: str, told: str):
+    with pytest.raises(RunError, match=told) as found:
+        loads(f"{value}\nego = Object\nrecord L\n", dialect="scenic-2.1").simulate("still", 1)
+    assert found.value.span.line == value.count("\n") + 3
