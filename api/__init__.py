@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from .engine_choice import FEW, Backend
 from .loading import load, loads
 from .scenario import Scenario
-from .scene_iterator import FEW, Backend
 
 __all__ = ["FEW", "Backend", "Scenario", "load", "loads"]

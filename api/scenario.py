@@ -56,8 +56,9 @@ from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
 from .argument_checks import check_settings, check_whole, no_backend
 from .conditioning import conditioned_scenario
+from .engine_choice import Backend
 from .pickling import Condition, reduce_scenario
-from .scene_iterator import Backend, Drawn, ToldScenes, progress_of, sample_scenes
+from .scene_iterator import Drawn, ToldScenes, progress_of, sample_scenes
 from .simulations import (
     SimulationBackend,
     SimulationRange,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.runtime.optional_packages import missing_package_error
 from ..pictures.notebook_views import count_phrase
 from ..semantics.store.errors import UsageError
-from .argument_checks import no_backend
+from .engine_choice import Backend, choose_engine, is_slow
 
 if TYPE_CHECKING:
     import pandas
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
 
     from .scenario import Scenario
 
-Backend = Literal["auto", "interpreter", "batch"]
-FEW = 10
-"""For fewer scenes than this a graph is not worth its time."""
 ToldScenes = Callable[[int], object]
 """Is told how many scenes there are so far."""
 
@@ -122,13 +120,10 @@ class Drawn(Iterator[Scene]):
 
 def sample_scenes(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
     """What `Scenario.sample_many` returns. Raises as it does."""
-    if backend not in ("auto", "interpreter", "batch"):
-        raise no_backend(backend, ("auto", "interpreter", "batch"), elsewhere=("importance", "smc", "mcmc"), there="`infer`")
-    many = backend == "batch" or (backend == "auto" and n >= FEW)
-    if many and scenario.impossible is not None:
-        raise scenario.impossible
-    blocks = (scenario.batch, seed, jobs(scenario.batch, n, seed, start, max_attempts)) if many and scenario.batch is not None else None
-    few = few_scenes if backend == "auto" and not many else one_by_one
+    engine = choose_engine(scenario, n, backend)
+    batch = scenario.batch if engine.why_interpreted is None else None
+    blocks = None if batch is None else (batch, seed, jobs(batch, n, seed, start, max_attempts))
+    few = few_scenes if engine.hands_over else one_by_one
     return Drawn(n, few(scenario, seed, start, start + n, max_attempts), blocks, tell)
 
 
@@ -138,19 +133,25 @@ def one_by_one(scenario: Scenario, seed: int, start: int, stop: int, max_attempt
 
 
 def few_scenes(scenario: Scenario, seed: int, start: int, stop: int, max_attempts: int) -> Iterator[Scene]:
-    """The same as long as each needs few attempts; the others by the batch backend, if it can."""
+    """Scenes `start` to `stop - 1` by the interpreter while each takes little time; the others by the batch backend, if it can."""
     for index in range(start, stop):
+        begun = time.process_time()
         try:
-            yield scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=patiently(max_attempts)).scene
-            continue
+            found = scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=patiently(max_attempts))
         except OutOfPatience:
-            pass
+            first = index
+        else:
+            took = time.process_time() - begun
+            yield found.scene
+            if index > start or not is_slow(took, found.scene.attempts, stop - index - 1):
+                continue
+            first = index + 1
         if scenario.impossible is not None:
             raise scenario.impossible
         if scenario.batch is None:
-            yield from one_by_one(scenario, seed, index, stop, max_attempts)
+            yield from one_by_one(scenario, seed, first, stop, max_attempts)
         else:
-            yield from _scenes_in(scenario.batch, seed, jobs(scenario.batch, stop - index, seed, index, max_attempts))
+            yield from _scenes_in(scenario.batch, seed, jobs(scenario.batch, stop - first, seed, first, max_attempts))
         return
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from ..sampling.program_source import DEFAULT_FUEL, Source
 from .options import (
-    DEFAULT_FUEL,
     DEFAULT_MEMORY,
     DEFAULT_SECONDS,
     DebugOption,
@@ -21,7 +21,6 @@ from .options import (
     ProfileOption,
     ReadingOption,
     ScenarioOption,
-    Source,
     TrustOption,
     limits_of,
     pairs,

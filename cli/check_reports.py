@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 
 from ..inference.comparison import Feature, Verdict
 from ..inference.comparison.scene_columns import unit_of
+from ..sampling.program_source import Source
 from ..semantics.store.errors import UsageError
-from .options import Source
 from .output_paths import check_place, write
 
 MOST_DRAWN = 8

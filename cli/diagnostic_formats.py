@@ -10,23 +10,26 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from .. import __version__
-from ..api.diagnostics import Diagnostic, check_and_rehearse, diagnostic_json, of_error, of_warning
+from ..api.diagnostics import Diagnostic, check_and_rehearse, diagnostic_json, of_error, of_warning, warnings_about
 from ..data.scene import in_json, in_utf8
+from ..interpreter.language.dialects import DEFAULT, DIALECTS
 from ..interpreter.language.lint import KINDS
 from ..semantics.store.errors import ScenicError, UsageError
 from ..semantics.store.suggestions import did_you_mean
+from ..simulators.worlds.driving import notes
 from .error_messages import render, render_warning
 from .progress_bar import running_once
-from .scene_sampler import tell_notes
-from .session import escape_controls, supports_colour
+from .session import escape_controls, supports_colour, tell
 
 if TYPE_CHECKING:
+    from ..api import Scenario
     from ..interpreter.language.lint import ProgramWarning
-    from .options import Source
+    from ..sampling.program_source import Source
     from .session import Session
 
 
 SCHEMA = "scenic-ref/diagnostics/1"
+MOST_WARNINGS = 10
 SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -130,3 +133,21 @@ def tell_text(warnings: list[ProgramWarning], error: ScenicError | None, session
     else:
         print("ok")
 
+
+def tell_notes(scenario: Scenario) -> None:
+    """Tell which profile the dialect brought, what the program's model stands for, and what to know about its map."""
+    dialect = DIALECTS[scenario.program.dialect]
+    if scenario.profile is None and dialect.profile != DEFAULT:
+        tell(f"the dialect {dialect.name} brings the profile {dialect.profile}: the program means what that release makes of it")
+    for note in notes(scenario.settings.library, scenario.program, scenario.params):
+        tell(escape_controls(note))
+
+
+def tell_warnings(scenario: Scenario) -> None:
+    """Tell what looks like a slip in the program, a line for each of the first."""
+    warnings = warnings_about(scenario)
+    for warning in warnings[:MOST_WARNINGS]:
+        place = f"{warning.span}: " if warning.span.line else ""
+        tell(f"warning: {place}{warning.message}: {warning.hint}")
+    if len(warnings) > MOST_WARNINGS:
+        tell(f"and {len(warnings) - MOST_WARNINGS:,} more warnings, which `scenic-ref check` tells")

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..sampling.program_source import DEFAULT_FUEL, Source
 from .options import (
-    DEFAULT_FUEL,
     DEFAULT_MEMORY,
     DEFAULT_SECONDS,
     DebugOption,
@@ -23,11 +23,10 @@ from .options import (
     LimitSecondsOption,
     ProfileOption,
     ReadingOption,
-    Source,
     TrustOption,
     limits_of,
     read_source,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from ..api import Scenario

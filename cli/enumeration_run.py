@@ -14,10 +14,10 @@ from ..inference.comparison.relations import table_of
 from ..inference.comparison.scene_columns import Column
 from ..inference.enumeration import Enumeration
 from ..inference.result import Probability, backend_report
-from .options import Source
+from ..sampling.program_source import Source
+from ..sampling.scene_sampler import drawing_of
 from .output_paths import PICTURES, check_ending, check_file, check_place, write
 from .scene_run import rehearse
-from .scene_sampler import drawing_of
 from .session import Session, console, escape_controls, tell
 
 if TYPE_CHECKING:

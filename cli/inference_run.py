@@ -16,11 +16,11 @@ from ..inference.chain_diagnostics import diagnose_repetitions, rhat
 from ..inference.result import Inferred
 from ..pictures.chain_plots import inference_data_in, needs_arviz, picture_with_chains
 from ..pictures.scene_figures import picture
-from .options import Source
+from ..sampling.program_source import Source
+from ..sampling.scene_sampler import DrawnScene, drawing_of
 from .output_paths import LINES, PICTURES, check_ending, check_file, check_place, write
 from .scene_outputs import open_output, prepare_output
 from .scene_run import rehearse
-from .scene_sampler import DrawnScene, drawing_of
 from .session import Session, console, tell
 
 if TYPE_CHECKING:

@@ -96,9 +96,10 @@ def show_map(
 
 def crs_in(given: list[str]) -> str | None:
     """The parameter map_crs, None if it is not given. Raises `UsageError` for others."""
+    from ..sampling.program_source import literal
     from ..semantics.store.errors import UsageError
     from ..simulators.worlds.site_maps import CRS
-    from .options import literal, pairs
+    from .options import pairs
 
     values = {name: str(literal(value)) for name, value in pairs(given, "--param", "NAME=VALUE")}
     if others := values.keys() - {CRS}:
@@ -147,8 +148,9 @@ def map_kind_help(kind: str | None) -> list[str]:
 def generated_map_text(kind: str, given: list[str]) -> str:
     """The map of a kind with these parameters. Raises `UsageError`."""
     from ..roads.map_generator import KINDS, generate_map
+    from ..sampling.program_source import literal
     from ..semantics.store.errors import UsageError
-    from .options import literal, pairs
+    from .options import pairs
 
     truths = {"true": True, "false": False}
     values = {name: truths.get(value.lower(), literal(value)) for name, value in pairs(given, "--param", "NAME=VALUE")}

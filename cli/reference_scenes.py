@@ -12,11 +12,10 @@ from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.batch.jobs.worker_pools import processes
 from ..inference.comparison.rounding import DEFAULT_TOLERANCE
 from ..inference.comparison.scene_columns import FeatureTable, features_table
-from .batch_sampler import portions
-from .options import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
+from ..sampling.batch_sampler import portions
+from ..sampling.program_source import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
+from ..sampling.scene_sampler import Drawing, DrawnScene, Job, draw_here, draw_in_processes, drawing_of
 from .progress_bar import Progress
-from .scene_sampler import Drawing, DrawnScene, drawing_of
-from .workers import Job, draw_here, draw_in_processes
 
 ONE_BY_ONE = 256
 """How many scenes that are drawn one by one become columns together."""

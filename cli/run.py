@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
+from ..sampling.program_source import DEFAULT_ATTEMPTS, DEFAULT_FUEL
 from .options import (
-    DEFAULT_ATTEMPTS,
-    DEFAULT_FUEL,
     DEFAULT_MEMORY,
     DEFAULT_SECONDS,
     AttemptsOption,

@@ -20,10 +20,10 @@ from .error_messages import WORST, source_line
 from .output_paths import write
 
 if TYPE_CHECKING:
+    from ..sampling.batch_sampler import Portion
+    from ..sampling.scene_sampler import Drawing, DrawnScene, Softness
     from ..semantics.machine.outcome import Requirement
     from ..semantics.syntax.nodes import Span
-    from .batch_sampler import Portion
-    from .scene_sampler import Drawing, DrawnScene, Softness
 
 LONGEST = 60
 BY_CHANCE = 1e-3

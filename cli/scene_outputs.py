@@ -15,13 +15,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .scene_sampler import DrawnScene
+from ..sampling.scene_sampler import DrawnScene
 from .session import console, escape_controls
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from .batch_sampler import Portion
+    from ..sampling.batch_sampler import Portion
 
 
 try:
@@ -39,7 +39,7 @@ from ..inference.batch.jobs.worker_pools import delay_interrupts
 from ..semantics.store.errors import UsageError
 
 if TYPE_CHECKING:
-    from .batch_sampler import Form, Portion
+    from ..sampling.batch_sampler import Form, Portion
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE, PIPED_AT_ONCE = 1 << 20, 1 << 16

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
-from ..api import FEW
+from ..api.engine_choice import choose_engine, is_slow
 from ..data.table_files import SUFFIXES
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.batch.jobs.worker_pools import Workers, cluster, processes
@@ -15,17 +15,17 @@ from ..inference.batch.numpy_evaluator import leavers
 from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..pictures.notebook_views import count_phrase
+from ..sampling.batch_sampler import Portion, portions
+from ..sampling.program_source import Source
+from ..sampling.scene_sampler import Drawing, DrawnScene, Job, draw_here, drawing_of, drawn_by
 from ..semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
-from .batch_sampler import Portion, portions
+from .diagnostic_formats import tell_notes, tell_warnings
 from .error_messages import WORST
-from .options import Source
 from .output_paths import LINES, PICTURES, check_ending, check_file, check_place
 from .progress_bar import Progress, running_once
 from .run_report import Tally, processor_seconds, requirement_lines, summary, write_report
 from .scene_outputs import Output, Resumed, open_output, prepare_output
-from .scene_sampler import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .session import Session, tell
-from .workers import Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
@@ -67,12 +67,12 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
             check_earlier(drawing, request, earlier)
             start = max(request.start, earlier.count)
             job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
-            interpreted = why_interpreted(drawing, request)
+            interpreted, hands_over = choose_engine(drawing.scenario, request.stop - request.start, request.backend)
             progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
             known = list(earlier.first)
             if interpreted is None:
                 produce_by_batch(job, request, output, tally, progress, known, unread, stack)
-            elif request.backend == "auto" and not drawing.prints:
+            elif hands_over and not drawing.prints:
                 interpreted = produce_few(drawing, job, request, output, tally, progress, known, unread, stack, interpreted)
             else:
                 produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
@@ -155,18 +155,6 @@ class BatchForesight:
         if batch is None:
             return None
         return guess(batch)
-
-
-def why_interpreted(drawing: Drawing, request: SceneRequest) -> str | None:
-    """Why the interpreter draws the scenes one by one; None if the batch backend draws many at a time. Raises `AttemptsExhausted` if none can be."""
-    if request.backend == "interpreter":
-        return "as asked for"
-    if request.backend == "auto" and request.stop - request.start < FEW:
-        return f"since fewer than {FEW} scenes were asked for"
-    if drawing.scenario.impossible is not None:
-        raise drawing.scenario.impossible
-    reason = drawing.scenario.not_lifted
-    return None if reason is None else f"since the batch backend cannot draw from this program: {reason}"
 
 
 def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> list[str]:
@@ -255,10 +243,6 @@ def produce_one_by_one(
             known.append((drawn.index, drawn.attempts))
 
 
-SLOW_RUN = 1.0
-"""Where an attempt takes more seconds of a processor than this, the batch backend is quicker from the third scene on: it runs the program once."""
-
-
 def produce_few(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
     unread: list[object], stack: ExitStack, interpreted: str,
@@ -274,7 +258,7 @@ def produce_few(
             begun = time.process_time()
             one = first._replace(stop=job.start + 1)
             produce_one_by_one(drawing, one, request, output, tally, progress, known, unread, stack, patient=False)
-            slow = time.process_time() - begun > SLOW_RUN * tally.attempts
+            slow = is_slow(time.process_time() - begun, tally.attempts, job.stop - job.start - 1)
             first = first._replace(start=job.start + 1)
             if slow and drawing.scenario.batch is not None:
                 produce_by_batch(first, request, output, tally, progress, known, unread, stack)

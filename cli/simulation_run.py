@@ -14,12 +14,21 @@ from typing import NamedTuple
 
 from ..api.simulations import SimulationBackend
 from ..pictures.notebook_views import count_phrase
+from ..sampling.program_source import Source
+from ..sampling.scene_sampler import Drawing, DrawnScene, drawing_of
+from ..sampling.simulation_sampler import (
+    Listeners,
+    ReportedRun,
+    SimulationJob,
+    report_simulation,
+    simulate_here,
+    simulated_by,
+)
 from ..semantics.machine.outcome import Requirement
 from ..semantics.store.errors import UsageError
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from .options import Source
 from .output_paths import LINES, check_ending, check_place
 from .progress_bar import Progress
 from .replay import Replays, check_recordings
@@ -27,9 +36,7 @@ from .replay_page import MOST, PageRun, write_movie, write_page
 from .run_report import requirement_lines
 from .scene_outputs import SIMULATIONS, Output, Resumed, open_output
 from .scene_run import printed_first, rehearse, workers_of
-from .scene_sampler import Drawing, DrawnScene, drawing_of
 from .session import Session, escape_controls, tell
-from .simulation_sampler import Listeners, ReportedRun, SimulationJob, report_simulation, simulate_here, simulated_by
 
 
 class SimulationRequest(NamedTuple):

@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
+from ..sampling.program_source import DEFAULT_ATTEMPTS, DEFAULT_FUEL
 from .options import (
-    DEFAULT_ATTEMPTS,
-    DEFAULT_FUEL,
     DEFAULT_MEMORY,
     DEFAULT_SECONDS,
     AttemptsOption,
@@ -71,10 +70,11 @@ def trace(
 
     With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
     """
+    from ..sampling.scene_sampler import drawing_of
     from ..semantics.store.errors import UsageError
     from ..simulators import by_name
+    from .diagnostic_formats import tell_notes
     from .output_paths import check_ending, check_place
-    from .scene_sampler import drawing_of, tell_notes
     from .trace_output import WhichRun, trace_attempt, traced_simulation, write_page, write_text
 
     session = context.obj

@@ -16,14 +16,14 @@ from ..inference.rejection import sample
 from ..inference.simulation_rejection import NextScene, attempts_at
 from ..interpreter.runtime.answerers import from_stream
 from ..interpreter.runtime.trace import Event, Trace, json_number
+from ..sampling.program_source import Source
+from ..sampling.scene_sampler import drawing_of
 from ..semantics.rules import RULES
 from ..semantics.store.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
 from .error_messages import source_line, source_text
-from .options import Source
 from .output_paths import write
-from .scene_sampler import drawing_of
 from .session import escape_controls, tell
 
 

@@ -16,7 +16,6 @@ from ..api import Scenario
 from ..api.diagnostics import of_error, of_warning, warnings_about
 from ..api.scene_expressions import NAME, expression_of, law_of, value_in_final_state
 from ..cli.replay_page import network_of
-from ..cli.scene_sampler import Drawing, Softness, drawing_of, listen
 from ..cli.simulation_run import when
 from ..cli.trace_output import WhichRun, page_of, trace_attempt, traced_simulation
 from ..data.scene import Scene, in_json, json_value
@@ -30,6 +29,7 @@ from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..interpreter.runtime.program_run import Accepted, Witness
 from ..pictures.replay_pages import land_below, map_below, run_shown
 from ..pictures.scene_figures import check_format, picture
+from ..sampling.scene_sampler import Drawing, Softness, drawing_of, listen
 from ..semantics.machine.outcome import Requirement
 from ..semantics.machine.values import unwrap
 from ..semantics.readings import READINGS

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 
 from ..api.diagnostics import Diagnostic, diagnostic_json
 from ..cli.run_report import rejecting_requirements
-from ..cli.scene_sampler import Softness
 from ..cli.session import escape_controls
 from ..data.scene import OWN_FIELDS, Scene, SceneObject
 from ..inference.enumeration import content_of_scene
@@ -26,6 +25,7 @@ from ..pictures.scene_figures import (
     window_of,
 )
 from ..roads.network import MapWorkspace
+from ..sampling.scene_sampler import Softness
 from ..semantics.machine.outcome import Requirement
 from ..semantics.store.errors import AttemptsExhausted, ScenicError, UsageError
 from ..semantics.syntax.nodes import Span

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..cli.options import Source, pairs, read_source, with_map
+from ..cli.options import pairs, read_source, with_map
 from ..cli.session import Session
 from ..data.scene import in_json
 from ..editors.pygments_lexer import rules_for_browsers
 from ..interpreter.language.dialects import DIALECTS
 from ..interpreter.runtime.optional_packages import is_installed, missing_package_error
+from ..sampling.program_source import Source
 from ..semantics.readings import PROFILES, READINGS, select
 from .json_views import cut_text
 from .share_links import Linked, is_link, linked_of

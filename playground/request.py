@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from ..cli.options import Source
 from ..interpreter.runtime.limits import Limits
+from ..sampling.program_source import Source
 from ..semantics.store.errors import UsageError
 
 MOST_BYTES = 2_000_000

@@ -21,8 +21,8 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from ..cli.options import Source
 from ..data.scene import in_json
+from ..sampling.program_source import Source
 from ..semantics.store.errors import UsageError
 from .json_views import Json
 from .request import MOST_BYTES, PlayRequest, request_of

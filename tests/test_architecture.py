@@ -15,7 +15,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = [
-    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "testing", "conformance", "benchmarks",
+    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "sampling", "testing", "conformance", "benchmarks",
     "editors", "playground", "cli",
 ]
 BELOW = {"semantics", "interpreter", "roads", "data", "pictures"}
@@ -30,6 +30,7 @@ MAY_IMPORT = {
     "inference": {*BELOW, "simulators", "inference"} - {"roads"},
     "api": {*BELOW, "simulators", "inference", "api"} - {"roads"},
     "conformance": {*BELOW, "simulators", "inference", "api", "testing", "conformance", ""} - {"roads"},
+    "sampling": {*BELOW, "simulators", "inference", "api", "sampling"} - {"roads"},
     "testing": {"semantics", "interpreter", "data", "simulators", "inference", "api", "testing"},
     "benchmarks": {*BELOW, "simulators", "inference", "api", "benchmarks", ""} - {"roads", "data"},
     "editors": {"semantics", "interpreter", "simulators", "api", "editors", ""},
@@ -287,7 +288,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     assert "simulate" in shown
     assert ours == {
         "scenic_ref.cli", "scenic_ref.interpreter", "scenic_ref.interpreter.runtime", "scenic_ref.interpreter.runtime.limits",
-        "scenic_ref.interpreter.runtime.supervisor"
+        "scenic_ref.interpreter.runtime.supervisor", "scenic_ref.sampling", "scenic_ref.sampling.program_source",
     }
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio", "ctypes"} & set(loaded.split())
 

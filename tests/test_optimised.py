@@ -12,8 +12,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = (
-    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "testing", "conformance", "benchmarks", "editors",
-    "playground", "cli",
+    "semantics", "interpreter", "roads", "data", "pictures", "simulators", "inference", "api", "sampling", "testing", "conformance", "benchmarks",
+    "editors", "playground", "cli",
 )  # fmt: skip
 PURE = {
     "isinstance", "issubclass", "len", "type", "all", "any", "hasattr", "callable", "is_object", "set", "sum", "max", "min", "sorted", "map",

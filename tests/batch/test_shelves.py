@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenic_ref.cli.batch_sampler import Portion, portions
-from scenic_ref.cli.options import Source
 from scenic_ref.cli.scene_outputs import LinesFile
-from scenic_ref.cli.workers import Job
 from scenic_ref.inference.batch.jobs import memory_files
 from scenic_ref.inference.batch.jobs.memory_files import Shelf, lay
 from scenic_ref.inference.batch.jobs.worker_pools import processes
 from scenic_ref.interpreter.runtime.process_sandbox import WALL
+from scenic_ref.sampling.batch_sampler import Portion, portions
+from scenic_ref.sampling.program_source import Source
+from scenic_ref.sampling.scene_sampler import Job
 from scenic_ref.semantics.store.errors import UsageError
 
 with Shelf() as tried:

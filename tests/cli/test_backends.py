@@ -187,7 +187,7 @@ def test_a_table_is_there_whole_or_not_at_all(ask, suffix):
 
 
 def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkeypatch):
-    from scenic_ref.cli import batch_sampler
+    from scenic_ref.sampling import batch_sampler
 
     monkeypatch.setattr(batch_sampler, "MOST_LOOKED_AT", 25)
     found = ask("run", "soft.scenic", "-n", 40)
@@ -202,7 +202,7 @@ def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkey
 def test_a_soft_requirement_is_noted_if_chance_would_seldom_make_it_so_rare(held, known, noted):
     """False alarm: at most 1e-3. All of ten coins fall on one side in 1 of 1,024; 240 or fewer of 500 in 1 of 5, 210 or fewer in 1 of 5,000."""
     from scenic_ref.cli.run_report import soft_lines
-    from scenic_ref.cli.scene_sampler import Softness
+    from scenic_ref.sampling.scene_sampler import Softness
 
     assert bool(soft_lines([Softness(Span("a.scenic", 1, 1, 1, 9), 0.5, held, known)], {})) is noted
 

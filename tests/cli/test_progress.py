@@ -9,7 +9,7 @@ from scenic_ref.api import loads
 from scenic_ref.cli import progress_bar
 from scenic_ref.cli.progress_bar import Progress
 from scenic_ref.cli.scene_run import BatchForesight, SceneRequest
-from scenic_ref.cli.scene_sampler import Drawing
+from scenic_ref.sampling.scene_sampler import Drawing
 
 
 @pytest.fixture

@@ -13,14 +13,13 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.cli import open_wall, scene_outputs
-from scenic_ref.cli.batch_sampler import portions
-from scenic_ref.cli.options import Source
 from scenic_ref.cli.run_report import Tally
 from scenic_ref.cli.scene_outputs import write_all
 from scenic_ref.cli.scene_run import lines_so_far
-from scenic_ref.cli.scene_sampler import drawing_of
 from scenic_ref.cli.session import Session
-from scenic_ref.cli.workers import Job
+from scenic_ref.sampling.batch_sampler import portions
+from scenic_ref.sampling.program_source import Source
+from scenic_ref.sampling.scene_sampler import Job, drawing_of
 
 
 def test_a_pipe_gets_one_scene_per_line_and_nothing_else(ask):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).parent.parent.parent
-PACKAGES = ("semantics", "interpreter", "inference", "api", "simulators", "conformance", "testing", "cli")
+PACKAGES = ("semantics", "interpreter", "inference", "api", "sampling", "simulators", "conformance", "testing", "cli")
 
 
 class Edit(NamedTuple):

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 from threading import get_ident
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from ..api.diagnostics import warnings_about
 from ..data.scene import Scene, scene_of
-from ..interpreter.language.dialects import DEFAULT, DIALECTS
+from ..inference.batch.jobs.failures import FailedDraw, parts, record_failed_draw
+from ..inference.batch.jobs.worker_pools import Workers, processes
+from ..inference.rejection import patiently
 from ..interpreter.runtime.program_run import Accepted, Witness
 from ..semantics.machine.conditions import bool_of
 from ..semantics.machine.config import Config, Value
@@ -34,9 +35,7 @@ from ..semantics.syntax.dynamics import (
 from ..semantics.syntax.nodes import Node, Span
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire
-from ..simulators.worlds.driving import notes
-from .options import Source
-from .session import escape_controls, tell
+from .program_source import Source
 
 if TYPE_CHECKING:
     from ..api import Scenario
@@ -45,8 +44,11 @@ if TYPE_CHECKING:
     from ..inference.batch.jobs.scene_lines import Lines
 
 MOST_PRINTED = 10_000
-MOST_WARNINGS = 10
 ASIDE_STEPS = 100_000
+
+AnyJob = TypeVar("AnyJob")
+Found = TypeVar("Found")
+Listener = Callable[[int], None]
 
 
 class Softness(NamedTuple):
@@ -186,25 +188,6 @@ class Drawing:
         return tuple(found.values())
 
 
-def tell_notes(scenario: Scenario) -> None:
-    """Tell which profile the dialect brought, what the program's model stands for, and what to know about its map."""
-    dialect = DIALECTS[scenario.program.dialect]
-    if scenario.profile is None and dialect.profile != DEFAULT:
-        tell(f"the dialect {dialect.name} brings the profile {dialect.profile}: the program means what that release makes of it")
-    for note in notes(scenario.settings.library, scenario.program, scenario.params):
-        tell(escape_controls(note))
-
-
-def tell_warnings(scenario: Scenario) -> None:
-    """Tell what looks like a slip in the program, a line for each of the first."""
-    warnings = warnings_about(scenario)
-    for warning in warnings[:MOST_WARNINGS]:
-        place = f"{warning.span}: " if warning.span.line else ""
-        tell(f"warning: {place}{warning.message}: {warning.hint}")
-    if len(warnings) > MOST_WARNINGS:
-        tell(f"and {len(warnings) - MOST_WARNINGS:,} more warnings, which `scenic-ref check` tells")
-
-
 def listen(outcome: Outcome, printed: list[str]) -> None:
     """Keep what the program prints."""
     if type(outcome) is Next and outcome.change is not None and outcome.change.where == "print" and len(printed) < MOST_PRINTED:
@@ -242,3 +225,52 @@ def drawing_of(source: Source) -> Drawing:
 @cache
 def _drawing_of(source: Source, thread: int) -> Drawing:
     return Drawing(source.load())
+
+
+# Several processes: results come in the order of the scenes, whatever the number of processes
+
+
+class Job(NamedTuple):
+    """Scenes `start` to `stop - 1` of `seed`, for one process."""
+
+    source: Source
+    seed: int
+    start: int
+    stop: int
+    max_attempts: int
+
+
+def work(job: Job) -> list[DrawnScene | FailedDraw]:
+    """The scenes of a job; a program's error is the last."""
+    return list(draw_here(drawing_of(job.source), job))
+
+
+def draw_here(
+    drawing: Drawing, job: Job, on_attempt: Listener | None = None, *, patient: bool = True
+) -> Generator[DrawnScene | FailedDraw]:
+    """The scenes of a job, in this process; a program's error is the last. Raises `OutOfPatience`, unless it is `patient`."""
+    printed: list[str] = []
+    for index in range(job.start, job.stop):
+        try:
+            yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt if patient else patiently(job.max_attempts, on_attempt))
+        except ScenicError as error:
+            yield record_failed_draw(error, printed)
+            return
+
+
+def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> Generator[DrawnScene | FailedDraw]:
+    """The scenes of a job, drawn by about `count` processes."""
+    jobs = (job._replace(start=start, stop=stop) for start, stop in parts(job.start, job.stop, count))
+    yield from done_by(workers, work, jobs)
+
+
+def done_by(workers: AbstractContextManager[Workers], work: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob]) -> Generator[Found]:
+    """What jobs give, in their order, whichever process does them."""
+    with workers as several:
+        for found in several.draw(work, jobs):
+            yield from found
+
+
+def draw_in_processes(job: Job, count: int) -> Generator[DrawnScene | FailedDraw]:
+    """The scenes of a job, drawn by `count` processes of this machine."""
+    return drawn_by(processes(count), job, count)

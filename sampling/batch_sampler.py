@@ -18,9 +18,8 @@ from ..inference.batch.jobs.memory_files import Shelf, lay
 from ..inference.batch.jobs.worker_pools import FIRST, Pace, Workers, block_of
 from ..inference.comparison.scene_columns import FeatureTable
 from ..semantics.machine.outcome import Requirement
-from .options import Source
-from .scene_sampler import Drawing, Softness, drawing_of
-from .workers import Job
+from .program_source import Source
+from .scene_sampler import Drawing, Job, Softness, drawing_of
 
 Form = Literal["lines", "table", "features"]
 MOST_LOOKED_AT = 500

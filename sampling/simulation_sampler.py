@@ -21,9 +21,8 @@ from ..semantics.store.errors import InternalError, ScenicError
 from ..simulators import by_name
 from ..simulators.loop import Failed
 from ..simulators.protocol import Simulator
-from .options import Source
-from .scene_sampler import Drawing, drawing_of, listen
-from .workers import done_by
+from .program_source import Source
+from .scene_sampler import Drawing, done_by, drawing_of, listen
 
 
 class SimulationJob(NamedTuple):
