@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .engine_choice import FEW, Backend
-from .loading import load, loads
+from .program_loader import load, loads
 from .scenario import Scenario
 
 __all__ = ["FEW", "Backend", "Scenario", "load", "loads"]

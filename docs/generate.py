@@ -18,7 +18,7 @@ from scenic_ref.conformance.fuzz.triage import CLASSES_OF_FINDINGS, JudgedFindin
 from scenic_ref.conformance.known_differences import CLASSES, KnownCause, causes, shipped_differences
 from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, complete_listings, read_manifest
 from scenic_ref.conformance.measurements import measurements
-from scenic_ref.conformance.pictured import OURS, pictured_scenes
+from scenic_ref.conformance.picture_boxes import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.pictures.map_figures import map_picture

@@ -10,7 +10,7 @@ from pathlib import Path
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.implementations.environments import implementation
 from scenic_ref.conformance.known_differences import causes, shipped_differences
-from scenic_ref.conformance.pictured import FILE, visibly_different_scenes
+from scenic_ref.conformance.picture_boxes import FILE, visibly_different_scenes
 
 PLACE = Path(__file__).parents[1] / "conformance" / FILE
 SECONDS = 15.0

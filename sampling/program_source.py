@@ -38,7 +38,7 @@ class Source:
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
-        from ..api.loading import scenario_of
+        from ..api.program_loader import scenario_of
         from ..inference.batch.torch_devices import check_device
         from ..interpreter.language.dialects import choose
         from ..interpreter.language.parser import tables

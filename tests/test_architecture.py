@@ -124,7 +124,7 @@ def for_types_only(tree: ast.Module) -> set[ast.AST]:
 
 
 PAIRS = {
-    ("semantics.space.regions.region", "semantics.space.regions.combined"): "a region's methods make combinations, which are regions",
+    ("semantics.space.regions.region", "semantics.space.regions.combinations"): "a region's methods make combinations, which are regions",
     ("cli.error_messages", "cli.run_report"): "a report shows source lines as errors do, and is slow to load",
 }
 """Two files that know each other, one of them late, and why."""
@@ -331,3 +331,44 @@ def test_a_class_name_means_one_thing():
 def test_links_lead_to_places_within_the_repository():
     links = [path for path in (ROOT / ".link").iterdir() if path.is_symlink()]
     assert [(path.name, str(path.readlink())) for path in links] == [("scenic_ref", "..")]
+
+
+GLOSSARY = (ROOT / "docs" / "glossary.md").read_text()
+PARTICIPLE = re.compile(r"(?:ing|ed)$")
+IRREGULAR = {
+    "begun", "built", "chosen", "done", "drawn", "driven", "found", "given", "held", "hidden", "kept", "known", "laid", "left", "made", "met",
+    "put", "run", "said", "seen", "sent", "shown", "split", "spread", "stuck", "taken", "told", "written",
+}  # fmt: skip
+NOUNS = {"feed", "heading", "need", "seed", "speed", "string", "warning", "bearing"}
+
+
+def ends_with_participle(name: str) -> bool:
+    """Whether the last word of a name is a participle or a gerund."""
+    last = name.rpartition("_")[2]
+    return last not in NOUNS and (bool(PARTICIPLE.search(last)) or last in IRREGULAR)
+
+
+def test_file_names_are_noun_phrases_but_for_the_terms_of_the_glossary():
+    terms = set(re.findall(r"`(\w+)`", GLOSSARY.partition("## Participles")[2].partition("\n\n`released`")[0]))
+    names = {path.parent.name if path.name == "__init__.py" else path.stem for path in modules()}
+    assert {name for name in names if ends_with_participle(name)} - {"__init__"} == {
+        name for name in names if name.rpartition("_")[2] in terms
+    }
+    assert terms <= {name.rpartition("_")[2] for name in names}
+
+
+def test_a_name_of_a_function_means_one_thing():
+    """A name of top-level functions in four modules or more is several things, but for `main` of programs."""
+    found: dict[str, set[str]] = {}
+    for path in modules():
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.FunctionDef):
+                found.setdefault(node.name.lstrip("_"), set()).add(named(path))
+    assert [name for name, places in found.items() if len(places) > 3] == ["main"]
+
+
+def test_each_term_of_the_glossary_stands_there_once():
+    terms = [line.split("|")[1].strip() for line in GLOSSARY.splitlines() if line.startswith("| ") and "---" not in line]
+    terms = [term for term in terms if term != "term"]
+    assert len(terms) > 40
+    assert len(terms) == len(set(terms))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...api.loading import loads
+from ...api.program_loader import loads
 from ...interpreter.language.conversion import convert
 from ...interpreter.language.modules import library_of
 from ...interpreter.language.parser import parse

@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Mapping
 
-from ...api.loading import loads
+from ...api.program_loader import loads
 from ...inference.comparison.comparison import with_law
 from ...inference.comparison.feature_names import SampleNames
 from ...semantics.rules import RULES, SILENT

@@ -52,40 +52,50 @@ class Captured(NamedTuple):
 
 
 class State(NamedTuple):
-    """(σ, π, O) and what the machine keeps beside them.
-
-    `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
-    Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
-    share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
-    requirements that wait for the end, each with what held at its statement (reading `require-time=end`); `dynamic`
-    those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
-    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is
-    while it runs (None: the scene is being generated). `settled` are the random values of what waited for a position,
-    for each object (and time step). `deciding` says that the condition of a requirement is evaluated with plain values (reading
-    `random-branch`). `version` is that of the scopes and containers, which are updated in place (`versions`).
-    """
+    """(σ, π, O) of the paper, and what the machine keeps beside them."""
 
     sigma: Scope
+    """σ: the variables of the running code, in the scope of its block."""
     settings: Settings
+    """Readings, dialect and limits: they never change during a run."""
     version: Version
+    """The version of the scopes and containers, which are updated in place (`semantics.store.undo_log`)."""
     params: Mapping[str, object] = {}
+    """π: the global parameters."""
     objects: Mapping[int, Properties] = {}
+    """O: the properties of every instance, by its number."""
     scene: tuple[Instance, ...] = ()
+    """The Objects among the instances, in the order of their creation."""
     names: Mapping[int, str] = {}
+    """The name of an instance in scenes and reports, by its number: `ego`, or the first variable of a module that it was assigned to."""
     ego: object = None
+    """The ego, which all modules share; None until one is assigned."""
     workspace: object = None
+    """The workspace, which all modules share; None stands for everywhere."""
     prefix: tuple[int, ...] = ()
+    """The first part of the address of the next draw; inside a behavior or scenario it is their own."""
     draws: int = 0
+    """The last part of that address: how many draws were made under `prefix`."""
     modules: Mapping[str, Module] = {}
+    """The modules that were imported in this run, by name."""
     late: tuple[tuple[Node, Captured], ...] = ()
+    """The requirements that wait for the end, each with what held at its statement (reading `require-time=end`)."""
     dynamic: tuple[Declared, ...] = ()
+    """The statements that the policy asks in each time step (`require always`, `terminate when`, `record`, ...), with their scopes."""
     handling: tuple[BaseException, ...] = ()
+    """The exceptions that `except` blocks are handling, the innermost last."""
     depth: int = 0
+    """The number of open calls, which is limited."""
     made: int = 0
+    """The numbers of instances that are taken; the next instance gets this one."""
     initial: Dynamic | None = None
+    """The modular scenario that the run began with, if it is one."""
     simulation: Simulation | None = None
+    """The simulation; None while the scene is being generated."""
     settled: Mapping[tuple[object, int, int | None], object] = {}
+    """The random values of what waited for a position, by value, object and time step."""
     deciding: bool = False
+    """Whether the condition of a requirement is evaluated with plain values (reading `random-branch`)."""
 
     @property
     def runs(self) -> bool:

@@ -15,7 +15,7 @@ from scenic_ref.conformance.diff.explanations import explain_failure, is_same_re
 from scenic_ref.conformance.implementations import environments
 from scenic_ref.conformance.implementations.harness_client import External
 from scenic_ref.conformance.implementations.protocol import SceneRecord, Task
-from scenic_ref.conformance.pictured import look_different
+from scenic_ref.conformance.picture_boxes import look_different
 from scenic_ref.errors import UsageError
 from scenic_ref.semantics.readings import select
 

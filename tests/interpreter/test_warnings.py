@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from scenic_ref.api import load, loads
 from scenic_ref.api.diagnostics import warnings_about
-from scenic_ref.api.loading import scenario_of
+from scenic_ref.api.program_loader import scenario_of
 from scenic_ref.conformance import load_vectors
 from scenic_ref.interpreter.language.lint import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
 from scenic_ref.semantics.store.errors import ScenicError

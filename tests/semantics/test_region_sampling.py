@@ -22,7 +22,7 @@ from scenic_ref.semantics.space.regions import (
     Region,
     SectorRegion,
 )
-from scenic_ref.semantics.space.regions.combined import PROPOSALS
+from scenic_ref.semantics.space.regions.combinations import PROPOSALS
 from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import MultiPolygon, Point, Polygon, box
 

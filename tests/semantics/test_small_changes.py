@@ -13,7 +13,7 @@ from scenic_ref.semantics.machine.sandbox_table import ATTRIBUTES
 from scenic_ref.semantics.readings.reading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, everywhere, parameter_intervals
-from scenic_ref.semantics.space.regions.combined import UnionRegion
+from scenic_ref.semantics.space.regions.combinations import UnionRegion
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.semantics.store.errors import AttemptsExhausted, ProgramError, RunError
 from scenic_ref.semantics.store.generators import EXHAUSTED

@@ -360,7 +360,7 @@ require ego.position in line
 def test_a_program_without_a_map_is_told_that_it_is_on_the_default_one(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    from scenic_ref.api.loading import load
+    from scenic_ref.api.program_loader import load
     from scenic_ref.simulators.worlds.driving import ON_DEFAULT_MAP, notes
 
     del capsys

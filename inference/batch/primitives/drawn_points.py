@@ -22,7 +22,7 @@ from ....semantics.space.regions import (
     Region,
     SectorRegion,
 )
-from ....semantics.space.regions.combined import PROPOSALS, IntersectionRegion
+from ....semantics.space.regions.combinations import PROPOSALS, IntersectionRegion
 from ....semantics.space.vectors import Vector
 from ..graph import RowDraw, Site
 from ..symbolic import Choice, Opaque, Traced, in_row, symbols_in

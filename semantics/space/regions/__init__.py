@@ -1,6 +1,6 @@
 """Regions: sets of points that can be sampled uniformly, tested for points and boxes, and combined."""
 
-from .combined import DifferenceRegion, IntersectionRegion, UnionRegion
+from .combinations import DifferenceRegion, IntersectionRegion, UnionRegion
 from .errors import BadRegion, EmptyRegion, UnboundedRegion
 from .plane_shapes import PlaneShape
 from .polygons import PolygonalRegion

@@ -87,7 +87,7 @@ class Region(ABC):
 
     def intersect(self, other: Region, triedReversed: bool = False) -> Region:
         """The points in both regions, oriented as this one if it is oriented, else as `other`; `triedReversed`, of the releases, changes nothing."""
-        from .combined import intersection  # a region and its combinations know each other
+        from .combinations import intersection  # a region and its combinations know each other
 
         return intersection(self, _other("intersect", other))
 
@@ -98,13 +98,13 @@ class Region(ABC):
         """
         if buf != 0:
             raise TypeError("buf= is outside this reference: regions are put together as they are; leave it out")
-        from .combined import union
+        from .combinations import union
 
         return union(self, _other("union", other))
 
     def difference(self, other: Region) -> Region:
         """The points of this region that are not in `other`, oriented as this region."""
-        from .combined import difference
+        from .combinations import difference
 
         return difference(self, _other("difference", other))
 
@@ -113,7 +113,7 @@ class Region(ABC):
 
         `triedReversed`, of the releases, changes nothing.
         """
-        from .combined import share_a_point
+        from .combinations import share_a_point
 
         return share_a_point(self, _other("intersects", other))
 
