@@ -363,7 +363,7 @@ def test_a_name_of_a_function_means_one_thing():
     for path in modules():
         for node in ast.parse(path.read_text()).body:
             if isinstance(node, ast.FunctionDef):
-                found.setdefault(node.name.lstrip("_"), set()).add(named(path))
+                found.setdefault(node.name, set()).add(named(path))
     assert [name for name, places in found.items() if len(places) > 3] == ["main"]
 
 
