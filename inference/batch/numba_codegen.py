@@ -1,6 +1,21 @@
 """A compiled evaluator of one program: its graph written as a function of one run after the other, which ends at the first thing that fails.
 
 It gives the same bits as the columns, which evaluate the same graph. `NotCompiled` says what of a graph it cannot do. To import this needs numba.
+
+Each number of the graph becomes a line of straight code, in the order in which columns evaluate it, and each requirement a `continue` to the
+next attempt. Of `x = Range(0, 9)` and `require x > 3` that is
+
+    u0_0, u0_1, u0_2, u0_3 = philox(seed, np.uint64(6791897765849424158), scene, at0, np.uint64(0))
+    v0 = u0_0
+    v1 = v0 * (9.0)
+    v2 = (0.0) + v1
+    v3 = v2 if v2 <= (9.0) else (9.0)
+    v5 = v3 > (3.0)
+    if v5 != True:
+        counts[0] += 1
+        continue
+
+in a loop over the scenes of a block, around a loop over the attempts at one (`docs/engines.md` has the whole).
 """
 
 from __future__ import annotations
