@@ -12,6 +12,7 @@ from __future__ import annotations
 import operator
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,6 +24,7 @@ from ..store.postponed_values import Waiting, needs_position
 from ..store.scenic_classes import ScenicClass, name_in_messages
 from ..store.scopes import Names, Scope
 from ..store.sets import FrozenSet, Set
+from ..store.undo_log import SIMPLE
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.python_expressions import Parameter
 from ..syntax.statements import Block
@@ -136,7 +138,8 @@ def _refill_container(container: object, content: object) -> object:
 def copy_containers(value: Any, seen: dict[int, tuple[object, object]]) -> Any:
     """The value as it is now: its containers are copied, so that later changes do not reach them.
 
-    `seen` holds each container that was met, with its copy, by its `id`: what is shared stays shared.
+    `seen` holds each container that was met, with its copy, by its `id`: what is shared stays shared. Dictionaries and sets are not copied where a
+    class of the program says how their keys are compared.
     """
     kind: Any = type(value)
     if kind is Random:
@@ -146,14 +149,17 @@ def copy_containers(value: Any, seen: dict[int, tuple[object, object]]) -> Any:
         return value
     if id(value) in seen:
         return seen[id(value)][1]
+    if isinstance(value, (dict, Set)) and not all(map(is_hashed_by_python, items_of(value))):
+        return value  # to put its keys into another one would call methods of the program
     if isinstance(value, tuple):
         parts = [copy_containers(part, seen) for part in items_of(value)]
         same = all(map(operator.is_, parts, items_of(value)))
         return seen.setdefault(id(value), (value, value if same else tuple.__new__(kind, parts)))[1]
-    made = kind.__new__(kind)
+    base = next(base for base in COPIED if isinstance(value, base))
+    made = base.__new__(kind)  # whatever a class of the program says of it
     seen[id(value)] = value, made
-    if attributes := getattr(value, "__dict__", None):
-        made.__dict__.update(attributes)
+    with suppress(AttributeError):
+        object.__getattribute__(made, "__dict__").update(object.__getattribute__(value, "__dict__"))
     if isinstance(value, dict):
         dict.update(made, {key: copy_containers(item, seen) for key, item in dict.items(value)})
         if isinstance(value, defaultdict):
@@ -167,7 +173,17 @@ def copy_containers(value: Any, seen: dict[int, tuple[object, object]]) -> Any:
     return made
 
 
-COPIED = (list, tuple, dict, deque, Set)
+COPIED: tuple[Any, ...] = (list, tuple, dict, deque, Set)
+
+
+def is_hashed_by_python(key: object) -> bool:
+    """Whether a key of a dictionary, or an element of a set, is compared without a method of the program."""
+    kind = type(key)
+    if kind in SIMPLE:
+        return True
+    if kind is tuple:
+        return all(map(is_hashed_by_python, key))  # type: ignore[arg-type]
+    return kind.__hash__ is object.__hash__ and kind.__eq__ is object.__eq__
 
 
 def wrap(value: object, origin: Origin | None) -> object:

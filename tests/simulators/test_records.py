@@ -75,3 +75,45 @@ def test_a_value_that_cannot_be_written_is_not_recorded(value: str, told: str):
     with pytest.raises(RunError, match=told) as found:
         loads(f"{value}\nego = Object\nrecord L\n", dialect="scenic-2.1").simulate("still", 1)
     assert found.value.span.line == value.count("\n") + 3
+
+
+def test_keys_that_a_class_of_the_program_compares_are_not_asked_while_values_are_written():
+    text = """\
+class K(object):
+    asked = 0
+    def __hash__(self):
+        K.asked += 1
+        return 1
+    def __eq__(self, other):
+        K.asked += 1
+        return 1 < self
+D, S = {K(): [1]}, {K()}
+ego = Object with value (D, S)
+n = K.asked
+record K.asked - n as asked
+record (D, S) as both
+"""
+    written = json.loads(to_line(loads(text, dialect="scenic-2.1").simulate("still", 2).simulation, 1))
+    assert written["records"]["asked"] == [[0, 0], [1, 0], [2, 0]]
+
+
+def test_containers_of_classes_of_the_program_are_copied_without_their_methods():
+    text = """\
+class D(dict):
+    def update(self, *rest):
+        return 6
+    def items(self):
+        return 7
+behavior B():
+    while True:
+        wait
+        D.__setitem__(d, 'a', d['a'] + 1)
+d = D()
+d['a'] = 1
+d.note = 2
+ego = Object with behavior B
+record d as d
+record d.note as note
+"""
+    written = json.loads(to_line(loads(text, dialect="scenic-2.1").simulate("still", 2).simulation, 1))
+    assert written["records"] == {"d": [[0, {"a": 1}], [1, {"a": 1}], [2, {"a": 2}]], "note": [[0, 2], [1, 2], [2, 2]]}
