@@ -107,7 +107,7 @@ class D(dict):
 behavior B():
     while True:
         wait
-        D.__setitem__(d, 'a', d['a'] + 1)
+        d['a'] = d['a'] + 1
 d = D()
 d['a'] = 1
 d.note = 2
