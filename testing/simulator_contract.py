@@ -1,9 +1,9 @@
 """The contract of simulators, checked call by call: for the tests of those who connect their own.
 
-from scenic_ref.testing import check_simulator
+    from scenic_ref.testing import check_simulator
 
-def test_my_simulator():
-    check_simulator(MySimulator, action=SetSpeed(3))
+    def test_my_simulator():
+        check_simulator(MySimulator, action=SetSpeed(3))
 """
 
 from __future__ import annotations
