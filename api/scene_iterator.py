@@ -60,7 +60,7 @@ class Drawn(Iterator[Scene]):
         return scene
 
     def close(self) -> None:
-        """Stop drawing scenes."""
+        """Stop the drawing of further scenes."""
         self._scenes = iter(())
         self._blocks = None
         if isinstance(self._tell, Bar):

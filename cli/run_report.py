@@ -42,7 +42,7 @@ class Tally:
     doubtful: int = 0
 
     def add(self, drawn: DrawnScene) -> None:
-        """Add one scene."""
+        """Add one scene to the tally."""
         self.scenes += 1
         self.attempts += drawn.attempts
         self.stuck.update(drawn.stuck)

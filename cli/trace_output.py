@@ -1,5 +1,4 @@
-"""The work of `scenic-ref trace`: it finds the attempt to trace, and writes the trace as text or as a page.
-"""
+"""The work of `scenic-ref trace`: find the attempt to trace, and write the trace as text or as a page."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class Found:
         self.soft: dict[object, Softness] = {}
 
     def add(self, scene: Scene, stuck: Counter[Requirement]) -> None:
-        """Add one scene."""
+        """Add one scene to those found."""
         self.scenes.append(scene)
         self.stuck.update(stuck)
         self.attempts += scene.attempts

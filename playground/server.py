@@ -81,8 +81,7 @@ class Playground:
         return self.problem(request) or self.door()
 
     def door(self) -> Response:
-        """Return the page for visitors without a token; a browser that once had the token finds its way back.
-        """
+        """Return the page for visitors without a token; a browser that once had it finds its way back."""
         return self.secured(HTMLResponse(self.closed, 403), self.closed_policy)
 
     def secured(self, response: Response, policy: str = "default-src 'none'; frame-ancestors 'none'") -> Response:
