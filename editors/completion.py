@@ -278,7 +278,7 @@ def complete(place: CompletedPlace) -> bool:
 
 
 def specifiers(place: CompletedPlace) -> Iterator[Completion]:
-    """Yield the specifiers."""
+    """Yield the specifiers that can stand at a place."""
     found = (*SPECIFIERS, *(RELEASED_SPECIFIERS if place.released else ()))
     yield from (phrase_suggestion(phrase, place.start, "specifier") for phrase in found)
 

@@ -71,7 +71,7 @@ Derived = Callable[[FeatureTable], Mapping[str, Array]]
 
 
 def no_derived_features(table: FeatureTable) -> Mapping[str, Array]:
-    """Derive no features."""
+    """Return no derived features."""
     return {}
 
 
