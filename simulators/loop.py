@@ -70,8 +70,7 @@ def rejected_by_simulator(problem: RejectRun, step: int) -> Failed:
 
 
 class Policy(Protocol):
-    """The chooser of actions in a simulation's time steps: the machine, or compiled code that gives the same.
-    """
+    """The chooser of actions in each time step: the machine, or compiled code that gives the same."""
 
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
         """The actions of a time step, or its end; `limit` is the reason to end in it if there is no other."""

@@ -32,8 +32,7 @@ def read_named_map(path: Path, tolerance: object, directory: Path | None) -> Net
 
 
 def beside_program_hint(path: Path, directory: Path | None) -> str:
-    """Return a hint for a map that is missing where it was sought, but lies beside the program; "" otherwise.
-    """
+    """Return a hint for a map that is missing but lies beside the program; "" otherwise."""
     if directory is None or path.is_absolute() or path.exists() or not (directory / path).is_file():
         return ""
     return f"{path.name} is beside the program: write localPath({str(path)!r}), or give the path {directory / path}"
