@@ -71,8 +71,7 @@ def differences(program: AskedProgram, other: External, settings: DiffSettings) 
 
 
 def parts(scenario: Scenario, other: External) -> dict[str, Callable[[AskedProgram, Scenario, External, DiffSettings], ProgramVerdict]]:
-    """Return the comparisons to make besides the distribution of scenes, by the capability that each needs.
-    """
+    """Return the comparisons besides that of the scenes' distribution, by the capability each needs."""
     other.introduced()
     wanted = {"attempts": in_acceptance, **({"simulations": in_simulations} if is_dynamic(scenario) else {})}
     return {name: part for name, part in wanted.items() if name in other.said["capabilities"]}

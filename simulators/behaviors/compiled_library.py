@@ -77,8 +77,7 @@ class FunctionCode(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FunctionKey:
-    """A function or lambda as a key of a cache: two keys are equal if their bodies begin with the same node.
-    """
+    """A function or lambda as a key of a cache; keys are equal if their bodies begin with the same node."""
 
     body: Block | Node
     parameters: tuple[Parameter, ...]
