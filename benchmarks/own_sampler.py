@@ -137,8 +137,7 @@ class TimedSampler:
 
 
 def ready(task: SamplingTask) -> tuple[dict[str, object], Sample]:
-    """Return the cost of preparing, and the function that draws. Raises `Skipped`, and the program's errors.
-    """
+    """Return the cost of preparing, and what draws. Raises `Skipped`, and the program's errors."""
     draw, times = prepare(task)
     return {"prepare": sum(times.values()), "parts": times}, TimedSampler(draw, task.backend != "interpreter").sample
 

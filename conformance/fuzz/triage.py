@@ -89,8 +89,7 @@ def findings_of(causes: Iterable[Cause], kept: Sequence[JudgedFinding]) -> list[
 
 
 def findings_at(path: Path) -> list[JudgedFinding]:
-    """Return the findings in a file, none if there is no such file. Raises `UsageError` if it cannot be read.
-    """
+    """Return the findings in a file; none if it does not exist. Raises `UsageError` if it cannot be read."""
     return findings_in(read_text(path, "the findings of a campaign"), str(path)).findings if path.exists() else []
 
 
