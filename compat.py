@@ -133,7 +133,7 @@ class Scene:
 
     @property
     def params(self) -> dict[str, object]:
-        """The global parameters."""
+        """The global parameters of the scene."""
         return dict(self.scene.params)
 
     @property

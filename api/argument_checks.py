@@ -17,7 +17,7 @@ def check_whole(*named: tuple[str, object, int | None]) -> None:
 
 
 def check_settings(readings: object, params: object, fuel: object, directory: object) -> None:
-    """What a scenario is loaded with. Raises `UsageError` for what is not what it should be."""
+    """Check the arguments for loading a scenario. Raises `UsageError` for a value of the wrong type."""
     for what, given, example in (("readings", readings, '{"soft": "scene"}'), ("params", params, '{"time": 12}')):
         if given is not None and not (isinstance(given, Mapping) and all(isinstance(name, str) for name in given)):
             raise UsageError(f"{what} maps names to values, as in {example}, and is not {given!r:.60}")

@@ -1,4 +1,6 @@
-"""What is given of a scene: draws that have the value that they had there, and parameters (`Scenario.condition_on`)."""
+"""Conditioning on a scene: draws that keep their values of that scene, and given parameters
+(`Scenario.condition_on`).
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,9 @@ def check_law(scenario: Scenario) -> None:
 
 
 def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, KnownDraw]:
-    """What every draw of a scene gave, by address. Raises `UsageError` for what is a scene neither of this scenario nor of one it is made from."""
+    """Return the value of every draw of a scene, by address. Raises `UsageError` if the scene comes neither
+    from this scenario nor from one of which it is made.
+    """
     if not isinstance(scene, Scene):  # users call this
         raise UsageError(f"`scene` is a scene that this scenario gave, not {scene!r:.60}")
     found: dict[Address, KnownDraw] = {}
@@ -215,7 +219,9 @@ def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict
 
 
 def possible(name: str, distribution: Distribution, value: object) -> KnownDraw:
-    """What a parameter that is a draw is known to give: what equals the value. Raises `UsageError` if nothing that can be drawn does."""
+    """Return the draw of a parameter that must equal a value. Raises `UsageError` if the distribution cannot
+    give that value.
+    """
     support = distribution.support()
     places = tuple(i for i, (v, _) in enumerate(support or ()) if equal(unwrap(v)[0], value))
     if places:
@@ -238,7 +244,7 @@ def as_drawn(distribution: Distribution, value: object) -> object:
 
 
 def together(known: Iterable[Mapping[Address, KnownDraw]]) -> dict[Address, KnownDraw]:
-    """What is known of draws from several sides. Raises `UsageError` where the sides contradict each other."""
+    """Merge known draws from several sources. Raises `UsageError` if the sources contradict each other."""
     found: dict[Address, KnownDraw] = {}
     for side in known:
         for address, one in side.items():
@@ -248,7 +254,7 @@ def together(known: Iterable[Mapping[Address, KnownDraw]]) -> dict[Address, Know
 
 
 def merge_known_draws(one: KnownDraw, other: KnownDraw) -> KnownDraw:
-    """What a draw gives of which two things are known. Raises `UsageError` if it gives nothing."""
+    """Combine two facts known about one draw. Raises `UsageError` if no value satisfies both."""
     if one.places is not None and other.places is not None:
         places = tuple(place for place in one.places if place in other.places)
         if places:

@@ -101,7 +101,7 @@ def of_error(error: ScenicError, file: str) -> Diagnostic:
 
 
 def of_warning(warning: ProgramWarning) -> Diagnostic:
-    """A warning."""
+    """Return the diagnostic for a warning."""
     return Diagnostic("warning", warning.kind, warning.message, warning.span, warning.hint)
 
 

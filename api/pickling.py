@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Condition(NamedTuple):
-    """What was given to `condition_on`."""
+    """The arguments that were given to `condition_on`."""
 
     scene: Scene | None
     objects: tuple[int, ...] | None
@@ -42,7 +42,7 @@ class ScenarioText(NamedTuple):
 
 
 def reduce_scenario(scenario: Scenario) -> tuple[Callable[..., Scenario], tuple[object, ...]]:
-    """What makes the scenario again, and its arguments."""
+    """Return the function that makes the scenario again, and its arguments."""
     source = scenario.conditioned_from
     if source is None:
         return made_again, (type(scenario), text_of_scenario(scenario), None, None, scenario.factorised, scenario.device)
@@ -75,7 +75,9 @@ def check_portable(what: str, values: Mapping[str, object]) -> None:
 
 
 def digests(scenario: Scenario) -> dict[str, str]:
-    """What identifies the text of every Scenic module that the program can import."""
+    """Return a SHA-256 digest of the text of every Scenic module that the program can import, by the module's
+    key.
+    """
     modules = {key: module for key, module in scenario.settings.library.items() if isinstance(module, Program)}
     return {key: hashlib.sha256(module.text.encode("utf-8", "surrogatepass")).hexdigest() for key, module in modules.items()}
 

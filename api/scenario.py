@@ -85,7 +85,7 @@ class ForPyro(NamedTuple):
 
 
 def pyro_for(what: str) -> ForPyro:
-    """It, once Pyro is imported. Raises `UsageError` without the extra `pyro`: `what` needs it."""
+    """Return the Pyro adapters that `what` needs. Raises `UsageError` without the extra `pyro`."""
     try:
         from ..inference.pyro_adapter import NumberModel, SceneKernel, model_of
     except ImportError as problem:
@@ -209,7 +209,7 @@ class Scenario:
 
     @cached_property
     def settings(self) -> Settings:
-        """What stays the same during the runs of this scenario."""
+        """The settings that all runs of this scenario share."""
         library = library_of(
             self.program, worlds=modules_of(self.program, self.params, self.directory), model=self.model, trust=self.trust, directory=self.directory,
             dialect=self.program.dialect if self.program.dialect != "paper" else None,
@@ -240,7 +240,9 @@ class Scenario:
 
     @cached_property
     def facts(self) -> Facts:
-        """What is known of the scenes, whatever is drawn: for comparisons. Raises `AttemptsExhausted`."""
+        """Facts that hold for every scene, whatever is drawn; comparisons use them. Raises
+        `AttemptsExhausted`.
+        """
         return facts_of(self.constants, self.batch, self.pruning.draws)
 
     def sample(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Scene:
@@ -311,7 +313,9 @@ class Scenario:
             return Pruning((), tuple(Finding("all objects", technique, None, None, why) for technique in TECHNIQUES))
 
     def pruned(self) -> Scenario:
-        """The same scenario with pruning and factorised rejection: other scenes for each seed, from the same distribution, with less work."""
+        """Return this scenario with pruning and factorised rejection. Each seed gives other scenes, from the
+        same distribution, with less work.
+        """
         found = copy(self)
         found.__dict__.pop("_lifted", None)
         found.draws, found.factorised = self.pruning.draws, True
@@ -320,16 +324,19 @@ class Scenario:
     def condition_on(
         self, scene: Scene | None = None, *, objects: Iterable[int] | None = None, params: Mapping[str, object] | None = None
     ) -> Scenario:
-        """The same scenario, given what `objects` (all of them, by default) are in `scene`, and given the values of global parameters.
+        """Return this scenario conditioned on the `objects` of `scene` (by default all of them) and on values
+        of global parameters.
 
-        Every draw on which these objects depend has the value that it had there; a parameter that is itself a draw has the given value, and of any
-        other it is required. The rest keeps its distribution, and all requirements have to hold (docs/api.md). Raises `UsageError`, also where it
-        is known that no scene is so (else sampling raises `AttemptsExhausted`), and the errors that the program has given all this.
+        Every draw on which these objects depend has the value that it had there; a parameter that is itself a
+        draw has the given value, and of any other it is required. The rest keeps its distribution, and all
+        requirements have to hold (docs/api.md). Raises `UsageError`, also where it is known that no scene is
+        so (else sampling raises `AttemptsExhausted`), and the errors that the program has given all this.
         """
         return conditioned_scenario(self, scene, objects, params or {})
 
     def on_device(self, device: str) -> Scenario:
-        """The same scenario, whose graph torch evaluates on a device, "cpu" or "cuda": the same scenes up to 1e-9 (docs/batch.md).
+        """Return this scenario with its graph evaluated by torch on a device, "cpu" or "cuda"; its scenes
+        agree up to 1e-9 (docs/batch.md).
 
         Raises `UsageError` without the extra `torch`, and for a device that it cannot use.
         """

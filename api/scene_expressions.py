@@ -1,7 +1,8 @@
-"""What an expression of Scenic says of scenes: it is evaluated where the run of a scene has ended, so that it changes nothing about the scene.
+"""Values of Scenic expressions in finished scenes: an expression is evaluated after the run has ended, so it
+changes nothing about the scene.
 
-A parameter that is added to the program would be evaluated before objects are mutated, and could draw. Here nothing is drawn: an expression that
-asks for a draw is refused.
+A parameter that is added to the program would be evaluated before objects are mutated, and could draw. Here
+nothing is drawn: an expression that asks for a draw is refused.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What `sample_many` returns: scenes one after the other, or all of them as columns."""
+"""The result of `sample_many`: scenes one after the other, or all of them as columns."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Drawn(Iterator[Scene]):
         return scene
 
     def close(self) -> None:
-        """Draw no more."""
+        """Stop the drawing of further scenes."""
         self._scenes = iter(())
         self._blocks = None
         if isinstance(self._tell, Bar):
@@ -78,12 +78,14 @@ class Drawn(Iterator[Scene]):
         return {name: array_of(column) for name, column in self._all().items()}
 
     def to_arrow(self) -> pyarrow.Table:
-        """The same as a table of Arrow, in which `properties` and `params` are structs. Raises `UsageError` without pyarrow."""
+        """Return the scenes as an Arrow table, in which `properties` and `params` are structs. Raises
+        `UsageError` without pyarrow.
+        """
         arrow_for("`to_arrow`")
         return arrow_table(self._all())
 
     def to_polars(self) -> polars.DataFrame:
-        """The same as a frame of Polars. Raises `UsageError` without polars or pyarrow."""
+        """Return the scenes as a Polars frame. Raises `UsageError` without polars or pyarrow."""
         try:
             import polars
         except ImportError as problem:
@@ -92,7 +94,9 @@ class Drawn(Iterator[Scene]):
         return polars.DataFrame(polars.from_arrow(self.to_arrow()))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The same as a frame of pandas, with a column for each of `columns`. Raises `UsageError` without pandas."""
+        """Return the scenes as a pandas frame, with a column for each of `columns`. Raises `UsageError`
+        without pandas.
+        """
         try:
             import pandas
         except ImportError as problem:
@@ -119,7 +123,7 @@ class Drawn(Iterator[Scene]):
 
 
 def sample_scenes(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
-    """What `Scenario.sample_many` returns. Raises as it does."""
+    """Return the result of `Scenario.sample_many`. Raises as that method does."""
     engine = choose_engine(scenario, n, backend)
     batch = scenario.batch if engine.why_interpreted is None else None
     blocks = None if batch is None else (batch, seed, jobs(batch, n, seed, start, max_attempts))
@@ -213,7 +217,9 @@ class Bar:
 
 
 def progress_of(progress: bool | ToldScenes, count: int) -> ToldScenes | Bar:
-    """What is told of the progress: True shows a bar. Raises `UsageError` for what is neither."""
+    """Return the observer of progress: a bar for True, none for False, or the given function. Raises
+    `UsageError` for anything else.
+    """
     if callable(progress):
         return progress
     if not isinstance(progress, bool):

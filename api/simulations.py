@@ -124,7 +124,7 @@ def report_run_progress(runs: Generator[SampledRun], progress: Told | None) -> G
 
 
 def replay_recording(scenario: Scenario, record: Mapping[str, object] | Recording, simulator: str | Simulator, timestep: float | None) -> Simulated:
-    """What `Scenario.replay` gives."""
+    """Replay a recorded simulation, as `Scenario.replay` does."""
     recording = record if isinstance(record, Recording) else recording_of(record)
     found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
     return require_accepted_replay(replay_once(scenario.start(), recording, found, action_classes(scenario), fuel=scenario.fuel))

@@ -68,7 +68,7 @@ class RunToFile:
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """The name in tables."""
         return f"run to {self.format}"
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
@@ -83,7 +83,7 @@ class RunToFile:
 
 @dataclass(frozen=True, slots=True)
 class WritingTask:
-    """What a process measures."""
+    """The task that a process measures."""
 
     program: str
     format: str
@@ -109,7 +109,7 @@ class Commands:
         end(self.running, self.errors)
 
     def cost(self, count: int) -> RunCost:
-        """What a run of so many scenes takes. Raises `Skipped`."""
+        """Return the cost of a run of `count` scenes. Raises `Skipped`."""
         task = self.task
         words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(self.path), *(["--trust"] if task.trust else [])]
         assert self.running.stdin is not None and self.running.stdout is not None
@@ -138,7 +138,9 @@ class TimedCommand:
         self.least = min(cost(FEWEST), cost(FEWEST))
 
     def sample(self, seconds: float) -> dict[str, Any]:
-        """What n scenes took, at least `seconds` seconds if there is an end to it."""
+        """Measure the time of further scenes, more and more of them until it is `seconds` seconds, if there
+        is an end to it.
+        """
         while True:
             took = self.cost(self.count)
             further, drawing = took.seconds - self.least.seconds, took.drawing - self.least.drawing

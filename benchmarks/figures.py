@@ -66,7 +66,7 @@ class Cell:
         return max(s.get("peak", 0) for s in self.samples) / 2**20 if self.samples else None
 
     def json(self) -> dict[str, object]:
-        """All figures."""
+        """Return all figures of the cell as JSON."""
         found: dict[str, object] = {"program": self.program, "implementation": self.contender}
         if self.samples:
             found |= {
@@ -91,7 +91,7 @@ class WritingCost:
 
     @property
     def share(self) -> float:
-        """Writing by drawing."""
+        """The cost of writing divided by that of drawing."""
         return self.writing / self.drawing
 
     @property
@@ -100,7 +100,7 @@ class WritingCost:
         return 1e9 * self.writing / self.numbers
 
     def json(self) -> dict[str, object]:
-        """All figures."""
+        """Return all figures as JSON."""
         return {
             "drawing us/scene": round_figure(1e6 * self.drawing), "writing us/scene": round_figure(1e6 * self.writing),
             "writing/drawing": round_figure(self.share),
@@ -141,7 +141,9 @@ class Figures:
         return cell.rate / other.rate
 
     def writing(self, cell: Cell) -> WritingCost | None:
-        """What a command that writes a file takes beside drawing; None for what only draws, and where the interpreter draws."""
+        """Return the cost of writing a file beside drawing; None for a command that only draws, and where the
+        interpreter draws.
+        """
         if not any(sample.get("drawing") for sample in cell.samples):
             return None
         drawing = statistics.median(sample["drawing"] / sample["scenes"] for sample in cell.samples)
@@ -170,7 +172,7 @@ class Figures:
 
 
 def round_figure(value: float | None) -> float | None:
-    """Six significant digits."""
+    """Round to six significant digits; None if the number is not finite."""
     return None if value is None or not math.isfinite(value) else float(f"{value:.6g}")
 
 

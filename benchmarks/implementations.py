@@ -1,4 +1,6 @@
-"""What a benchmark measures: programs, the backends of this package, and released implementations in their own environments."""
+"""The subjects of a benchmark: programs, the backends of this package, and released implementations in their
+own environments.
+"""
 
 from __future__ import annotations
 
@@ -53,11 +55,11 @@ class Ours:
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """The name in tables."""
         return self.backend + (" --prune" if self.prune else "")
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
-        """Starts its process."""
+        """Return the command that starts its process."""
         task = SamplingTask(program.path, self.backend, self.prune, program.trust, seed)
         return python_that_runs(f"{__package__}.own_sampler", task.text())
 
@@ -74,7 +76,7 @@ class OursOverTime:
     steps: int
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
-        """Starts its process."""
+        """Return the command that starts its process."""
         task = DrivingTask(program.path, self.name, self.steps, program.trust, seed)
         return python_that_runs(f"{__package__}.own_driver", task.text())
 
@@ -97,7 +99,7 @@ class Released:
     steps: int | None = None
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
-        """Starts its process."""
+        """Return the command that starts its process."""
         assert program.released is not None
         return [self.python, self.script, program.released, self.world if self.steps is None else str(self.steps), str(seed)]
 
@@ -107,7 +109,8 @@ class Released:
         return {**{name: value for name, value in os.environ.items() if name not in own}, **ONE_THREAD}
 
     def at(self, directory: Path, steps: int | None = None) -> Released:
-        """This implementation, with its script and the gallery's world copied to `directory`, where the script runs alone.
+        """Return the implementation with its script and the gallery's world copied to `directory`, where the
+        script runs alone.
 
         It simulates `steps` time steps at a time, or draws scenes if they are None.
         """
@@ -124,11 +127,11 @@ class Contender(Protocol):
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """The name in tables."""
         ...
 
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
-        """Starts its process."""
+        """Return the command that starts its process."""
         ...
 
     def environment(self) -> Mapping[str, str]:

@@ -26,7 +26,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class CourseRequest:
-    """What is to be measured."""
+    """A request for measurements."""
 
     programs: tuple[str, ...]
     seconds: float

@@ -30,7 +30,9 @@ Draw = Callable[[int, int], tuple[int, int]]
 
 @dataclass(frozen=True, slots=True)
 class SamplingTask:
-    """What a process draws: a program, by "interpreter", "numpy", "numba" or "torch", with or without pruning."""
+    """The task of a process that draws: a program, by "interpreter", "numpy", "numba" or "torch", with or
+    without pruning.
+    """
 
     program: str
     backend: str
@@ -48,7 +50,7 @@ class Skipped(Exception):
 
 
 def one_by_one(scenario: Scenario, seed: int) -> Draw:
-    """The interpreter."""
+    """Return the function that draws scenes with the interpreter, one by one."""
 
     def draw(start: int, count: int) -> tuple[int, int]:
         return count, sum(scenario.sampled(seed, index).scene.attempts for index in range(start, start + count))
@@ -124,7 +126,7 @@ class TimedSampler:
         self.growing = False
 
     def sample(self, seconds: float) -> dict[str, float]:
-        """What was drawn in about `seconds` seconds."""
+        """Draw for about `seconds` seconds, and return the numbers of scenes and attempts."""
         self.warm_up()
         scenes = attempts = 0
         used = 0.0
@@ -135,7 +137,7 @@ class TimedSampler:
 
 
 def ready(task: SamplingTask) -> tuple[dict[str, object], Sample]:
-    """What preparing took, and what draws. Raises `Skipped`, and the program's errors."""
+    """Return the cost of preparing, and what draws. Raises `Skipped`, and the program's errors."""
     draw, times = prepare(task)
     return {"prepare": sum(times.values()), "parts": times}, TimedSampler(draw, task.backend != "interpreter").sample
 

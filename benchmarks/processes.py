@@ -44,11 +44,11 @@ class Process:
         self.close()
 
     def close(self) -> None:
-        """End the process."""
+        """End the measured process."""
         end(self.running, self.errors)
 
     def sample(self, seconds: float) -> dict[str, Any]:
-        """What it draws in about `seconds` seconds of the processor."""
+        """Draw for about `seconds` seconds of the processor, and return the measurement."""
         assert self.running.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             print(seconds, file=self.running.stdin, flush=True)

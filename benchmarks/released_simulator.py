@@ -40,7 +40,7 @@ def newtonian() -> Any:
 
 
 def main() -> None:
-    """Run the program."""
+    """Run the program as a process of the benchmark."""
     folder = tempfile.mkdtemp()
     (Path(folder) / "actions_of_benchmark.py").write_text(ACTIONS)
     sys.path.insert(0, folder)

@@ -1,4 +1,6 @@
-"""What the scripts beside this file share: the programs of the gallery, and their figures as a Markdown table or as JSON."""
+"""Helpers that the scripts beside this file share: the programs of the gallery, and figures as a Markdown
+table or as JSON.
+"""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ BEHAVIORS = {"simple": "Go", "nested": "Nested"}
 
 @contextmanager
 def time_method(owner: Any, name: str) -> Iterator[Callable[[], float]]:
-    """What the calls of a method of this class or object take in all, in seconds of the processor."""
+    """Measure the total time of calls of a method of this class or object, in seconds of the processor."""
     method = getattr(owner, name)
     spent = 0.0
 

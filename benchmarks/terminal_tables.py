@@ -76,7 +76,9 @@ def table_of_means(figures: Figures) -> Table:
 
 
 def table_of_writing(figures: Figures) -> Table:
-    """What it costs to write the scenes that were drawn: a row for each program and format, then one for each format."""
+    """Return the table of the cost of writing drawn scenes: a row for each program and format, then one for
+    each format.
+    """
     numbers = ("drawing, µs/scene", "writing, µs/scene", "writing/drawing", "numbers/scene", "writing, ns/number")
     table = empty_table("writing beside drawing, in time of the processor for each further scene", ("program", "implementation"), numbers)
     shares: dict[str, list[float]] = {}
@@ -143,5 +145,5 @@ def format_digits(value: float | None, digits: int = 4) -> str:
 
 
 def times(ratio: float | None) -> str:
-    """A ratio."""
+    """Return a ratio as text."""
     return "-" if ratio is None else f"{format_digits(ratio, digits=3)}x"

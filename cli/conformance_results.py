@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 class Expected(NamedTuple):
-    """What is expected: known differences, and a line for each vector by earlier results, None without them."""
+    """The expected results: known differences, and the line of each vector in earlier results (None without
+    them).
+    """
 
     known: Sequence[KnownDifference]
     before: Mapping[str, str] | None
@@ -46,7 +48,7 @@ class Kept(NamedTuple):
             check_ending("--json", self.report, "results", (".json",))
 
     def read(self) -> Expected:
-        """What the files say that are read; the differences that ship if there is no other list. Raises `UsageError`."""
+        """Read the lists of expected results; the default is the list that ships. Raises `UsageError`."""
         from pathlib import Path
 
         from ..conformance.known_differences import differences_at, shipped_differences
@@ -77,7 +79,7 @@ def judge_another(impl: str, other: External, results: Sequence[Result], expecte
 
 
 def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, changed: Sequence[str]) -> None:
-    """What is known, what is new, what is stale, and what changed; the listed vectors with their verdicts."""
+    """Print the known, new, stale and changed results, and the listed vectors with their verdicts."""
     from ..conformance.diff.explanations import explain_failure
     from .conformance import lines_of
 

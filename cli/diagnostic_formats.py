@@ -1,4 +1,4 @@
-"""What `check` finds wrong with a program, as text, JSON, GitHub annotations, JUnit and SARIF."""
+"""The findings of `check` as text, JSON, GitHub annotations, JUnit and SARIF."""
 
 from __future__ import annotations
 

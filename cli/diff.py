@@ -229,7 +229,7 @@ def write_verdicts(output: str | None, found: list[ProgramVerdict]) -> None:
 
 
 def exit_code(found: list[ProgramVerdict]) -> int:
-    """That of all verdicts together."""
+    """Return the exit code for all verdicts together."""
     verdicts = {verdict.verdict for verdict in found}
     compared = verdicts - {"skipped"}
     return next((code for verdict, code in EXIT_CODES.items() if verdict in (compared or verdicts)), 0)

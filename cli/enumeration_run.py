@@ -29,7 +29,7 @@ EVERY = 200  # runs between two signs of life
 
 
 class EnumerationRequest(NamedTuple):
-    """What to enumerate, and where to write it."""
+    """The request of an enumeration: its limits, and the files to write."""
 
     max_runs: int
     discretize: int | None

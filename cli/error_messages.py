@@ -74,7 +74,9 @@ def render_warning(warning: ProgramWarning, texts: Mapping[str, str], *, colours
 def message_lines(
     kind: tuple[str, str], message: str, span: Span, notes: Iterable[tuple[str, str]], texts: Mapping[str, str], *, colours: bool
 ) -> list[str]:
-    """What is wrong, the place with the line, and the notes that have a text; `kind` is the word for it, and its colour."""
+    """Return the lines of a message: the problem, its place with the source line, and the notes that have a
+    text; `kind` is the word for it, and its colour.
+    """
     paint = _painter(colours)
     margin = " " * max(1, len(str(span.line)))
     lines = [f"{paint(kind[1], kind[0])}{paint(BOLD, ': ' + message)}"]

@@ -95,7 +95,7 @@ def first_numbers(numbers: Sequence[int], most: int = 20) -> str:
 
 
 def others(examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> str:
-    """What is not among the causes."""
+    """Describe the differing programs that belong to none of the causes."""
     told = {number for cause in causes for number in cause.numbers}
     alike = Counter(f"{e.kind}, {e.words}" for e in examined if e.verdict == "differ" and e.number not in told)
     return "; ".join(f"{count} more of: {words}" for words, count in alike.most_common()) or "None."

@@ -73,7 +73,7 @@ def produce_inference(source: Source, request: InferenceRequest, session: Sessio
 
 
 def lines(found: Inferred, seed: int) -> list[str]:
-    """What is told of the scenes."""
+    """Return the lines that report an inference."""
     p, d = found.acceptance, found.diagnosis
     scenes = "1 scene" if len(found.scenes) == 1 else f"{len(found.scenes):,} scenes"
     told = [

@@ -35,7 +35,7 @@ def check_ending(option: str, path: str, what: str, endings: Sequence[str]) -> N
 
 
 def check_file(option: str, path: str | None, what: str, endings: Sequence[str]) -> None:
-    """The same for what never goes to standard output, if it is asked for."""
+    """Check the path of a file that cannot go to standard output, if a path is given. Raises `UsageError`."""
     if path == "-":
         raise UsageError(f"{option} -: {what} are written to a file, not to standard output")
     if path is not None:

@@ -44,7 +44,7 @@ def running_once(fuel: int) -> Iterator[None]:
 
 
 class Foresight(Protocol):
-    """What is known of a run before its scenes are there."""
+    """Estimates about a run before its scenes exist."""
 
     def runs(self) -> int:
         """How many runs were made so far, if that is known; else 0."""

@@ -81,7 +81,7 @@ class References:
             found.close()
 
     def drawn_one_by_one(self, drawing: Drawing, job: Job) -> Generator[FeatureTable]:
-        """The same by the interpreter."""
+        """Draw the reference scenes with the interpreter."""
         found = draw_here(drawing, job, self.progress.stuck) if self.workers == 1 else draw_in_processes(job, self.workers)
         try:
             while several := list(islice(scenes_or_error(found, self.progress), ONE_BY_ONE)):

@@ -1,4 +1,6 @@
-"""What `scenic-ref simulate --replay` does: it plays recorded simulations again, and compares the results with the recording."""
+"""The command `scenic-ref simulate --replay`: it replays recorded simulations and compares the results with
+the recording.
+"""
 
 from __future__ import annotations
 

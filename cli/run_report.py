@@ -42,14 +42,13 @@ class Tally:
     doubtful: int = 0
 
     def add(self, drawn: DrawnScene) -> None:
-        """One more scene."""
+        """Add one scene to the tally."""
         self.scenes += 1
         self.attempts += drawn.attempts
         self.stuck.update(drawn.stuck)
         self._look(drawn.soft)
 
     def add_portion(self, portion: Portion) -> None:
-        """Many more scenes."""
         self.scenes += len(portion.attempts)
         self.attempts += int(portion.attempts.sum())
         self.stuck.update(portion.stuck)

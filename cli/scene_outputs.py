@@ -1,4 +1,6 @@
-"""Where scenes go: a file of JSON Lines that survives interruption, a pipe, a table in a file, a terminal."""
+"""Destinations of scenes: a file of JSON Lines that survives interruption, a pipe, a table in a file, a
+terminal.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,7 @@ KNOWN = 32
 
 
 class Kind(NamedTuple):
-    """What the lines of a file are: their schema, the key of their number, and a word for one of them."""
+    """The kind of a file's lines: their schema, the key of their number, and a word for one of them."""
 
     schema: str
     number: str
@@ -74,7 +76,9 @@ class Earlier:
 
 @dataclass(frozen=True)
 class Resumed:
-    """What a resumed file holds: how many scenes, the (index, attempts) of the first ones, and the last."""
+    """The contents of a resumed file: the number of scenes, the (index, attempts) of the first ones, and the
+    last.
+    """
 
     count: int = 0
     first: tuple[tuple[int, int], ...] = ()
@@ -123,11 +127,9 @@ class LineByLine(Output):
     at_once = AT_ONCE
 
     def write(self, drawn: DrawnScene) -> None:
-        """One line."""
         self._write(f"{drawn.line}\n".encode())
 
     def write_many(self, portion: Portion) -> None:
-        """Whole lines."""
         for data in in_pieces(portion.lines, self.at_once):
             self._write(data)
 
@@ -241,7 +243,6 @@ class LinesFile(LineByLine):
             os.lseek(self.file, self.size, os.SEEK_SET)
 
     def close(self) -> None:
-        """Close the file."""
         os.close(self.file)
 
 
@@ -251,7 +252,7 @@ class Pipe(LineByLine):
     at_once = PIPED_AT_ONCE
 
     def put(self, data: bytes | memoryview) -> None:
-        """At once."""
+        """Write data to standard output at once. Raises `UsageError` if it cannot be written."""
         try:
             write_all(sys.stdout.fileno(), data)
         except BrokenPipeError:
@@ -272,7 +273,6 @@ class ArrowPipe(Output):
 
     @property
     def form(self) -> Form:
-        """Columns."""
         return "table"
 
     def write(self, drawn: DrawnScene) -> None:
@@ -285,7 +285,7 @@ class ArrowPipe(Output):
             self._sent(self.stream.add_columns, portion.columns, scenes=len(portion.attempts))
 
     def finish(self) -> None:
-        """What is left, and the end of the stream."""
+        """Write the remaining rows and end the stream."""
         self._sent(self.stream.finish)
 
     def _sent(self, send: Callable[..., None], *what: object, scenes: int = 0) -> None:
@@ -310,7 +310,6 @@ class TableOutput(Output):
 
     @property
     def form(self) -> Form:
-        """Columns."""
         return "table"
 
     def write(self, drawn: DrawnScene) -> None:
@@ -462,7 +461,7 @@ def table_of(scene: dict[str, Any]) -> Table:
 
 
 def format_parameter(value: object) -> str:
-    """A parameter, short."""
+    """Return a short text for the value of a parameter."""
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, dict) and set(value) == {"repr"}:

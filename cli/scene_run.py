@@ -1,4 +1,4 @@
-"""What `scenic-ref run` does with its options."""
+"""The work of `scenic-ref run`."""
 
 from __future__ import annotations
 
@@ -104,9 +104,11 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
 def lines_so_far(
     drawing: Drawing, tally: Tally, written: int, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
 ) -> list[str]:
-    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet.
+    """Return the report of an interrupted run from scene `start`, including the attempts at scenes that were
+    not yet found.
 
-    Of the scenes of the tally so many were `written`. `unread` is what other processes had found behind a scene that was still missing.
+    Of the scenes of the tally so many were `written`. `unread` is what other processes had found behind a
+    scene that was still missing.
     """
     behind = tally_of(unread)
     stuck = tally.stuck + behind.stuck
@@ -136,14 +138,14 @@ def tally_of(results: Iterable[object]) -> Tally:
 
 
 class BatchForesight:
-    """What the graph of a program tells of a run."""
+    """Estimates about a run from the graph of its program."""
 
     def __init__(self, drawing: Drawing, request: SceneRequest) -> None:
         self.drawing = drawing
         self.here = request.workers == 1 and request.cluster is None
 
     def runs(self) -> int:
-        """Those of the block that this process draws."""
+        """Return the number of runs in the block that this process is drawing."""
         batch = self.drawing.scenario.batch if self.here and "_lifted" in vars(self.drawing.scenario) else None
         if batch is None or batch.drawing is None:
             return 0
@@ -295,11 +297,11 @@ def rehearse(drawing: Drawing) -> None:
 
 
 class Printing(Protocol):
-    """What has a text that it printed."""
+    """A result with the texts that the program printed."""
 
     @property
     def printed(self) -> tuple[str, ...]:
-        """The texts."""
+        """The texts that the program printed."""
         ...
 
 

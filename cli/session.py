@@ -1,4 +1,4 @@
-"""What the commands and the report of a failure share about one command line."""
+"""The state of one command line that the commands and the report of a failure share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the shell completes behind options and commands: the words that they take."""
+"""Shell completion: the words that options and commands take."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def words(found: Callable[[], Iterable[str]]) -> Completion:
 
 
 def one_of(*known: str) -> Completion:
-    """Completes these words."""
+    """Return a completion of a fixed list of words."""
     return words(lambda: known)
 
 
@@ -36,7 +36,7 @@ def profiles() -> Iterable[str]:
 
 
 def readings() -> Iterable[str]:
-    """The readings."""
+    """Return the names of the readings."""
     from ..semantics.readings import READINGS
 
     return READINGS
@@ -50,14 +50,14 @@ def alternatives() -> Iterable[str]:
 
 
 def models() -> Iterable[str]:
-    """The world models."""
+    """Return the names of the world models."""
     from ..simulators.worlds import WORLDS
 
     return dict.fromkeys(["gtaLib", "mars", "site_map", "scenic.domains.driving.model", *(name for name in WORLDS if name.endswith(".model"))])
 
 
 def simulators() -> Iterable[str]:
-    """The simulators."""
+    """Return the names of the simulators."""
     from ..simulators import SIMULATORS
 
     return SIMULATORS

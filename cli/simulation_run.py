@@ -1,4 +1,4 @@
-"""What `scenic-ref simulate` does with its options."""
+"""The work of `scenic-ref simulate`."""
 
 from __future__ import annotations
 
@@ -61,7 +61,9 @@ class SimulationRequest(NamedTuple):
 
 @dataclass
 class SimulationTally:
-    """What is kept of the simulations: how many there were, those that a page or an animation shows, and why which were left to the machine."""
+    """The tally of simulations: their number, those that a page or an animation shows, and the reasons for
+    which work was left to the machine.
+    """
 
     count: int = 0
     attempts: int = 0
@@ -194,7 +196,7 @@ def shown_only(request: SimulationRequest) -> bool:
 
 
 def told_so_far(count: int, output: Output | None) -> str:
-    """What is said of the simulations that are finished when the rest is interrupted."""
+    """Return the message about finished simulations when the rest is interrupted."""
     return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
@@ -254,7 +256,7 @@ MOST_LEFT = 5
 
 
 def left_to_machine(tally: SimulationTally) -> list[str]:
-    """What was left to the machine, and why; errors of the program are told as such."""
+    """Return the lines that say which work was left to the machine, and why."""
     lines = [f"not compiled, so that the machine ran all of the behavior or monitor, more slowly: {reason}" for reason in tally.parts]
     for function, reason in tally.functions.items():
         share = tally.in_functions[function] / max(1, tally.nanoseconds)

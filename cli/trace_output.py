@@ -1,4 +1,4 @@
-"""What `scenic-ref trace` does: it finds the attempt to trace, and writes the trace as text or as a page."""
+"""The work of `scenic-ref trace`: find the attempt to trace, and write the trace as text or as a page."""
 
 from __future__ import annotations
 
@@ -178,7 +178,7 @@ def shown_events(trace: Trace, *, everything: bool) -> Iterator[Event]:
 
 
 def page_of(found: TracedRun, texts: Mapping[str, str]) -> dict[str, object]:
-    """What a page to step through the run holds."""
+    """Return the data of a page on which one steps through the run."""
     sources = {file: text for file in dict.fromkeys(e.span.file for e in found.trace.events) if (text := source_text(file, texts)) is not None}
     rules = {
         name: {"name": rule.name, "place": rule.place, "statement": rule.statement, "inherited": rule.inherited, "code": rule.code}

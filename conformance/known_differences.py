@@ -51,7 +51,9 @@ def shipped_differences() -> list[KnownDifference]:
 
 
 def differences_at(path: Path) -> list[KnownDifference]:
-    """Those of a file. Raises `UsageError` if it cannot be read, or is none."""
+    """Return the differences in a file. Raises `UsageError` if it cannot be read, or is no list of
+    differences.
+    """
     return differences_in(read_text(path, "a list of differences"), str(path))
 
 
@@ -104,12 +106,12 @@ class KnownCause:
 
     @property
     def implementations(self) -> list[str]:
-        """Where it shows."""
+        """The implementations in which the cause shows."""
         return sorted({name for difference in self.differences for name in difference.implementations})
 
     @property
     def passages(self) -> list[str]:
-        """What the paper says where."""
+        """The passages of the paper that the differences are about."""
         return list(dict.fromkeys(difference.passage for difference in self.differences))
 
     @property

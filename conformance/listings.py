@@ -24,7 +24,7 @@ class PrintedListing:
 
     @property
     def lines(self) -> list[str]:
-        """Its lines, the outermost ones without indentation."""
+        """The lines of the listing, the outermost ones without indentation."""
         return dedent(self.printed).strip("\n").splitlines()
 
 
@@ -43,7 +43,7 @@ class CompletedProgram:
 
 
 class LineOrigin(Enum):
-    """Where a line of a program comes from."""
+    """The origin of a line of a program."""
 
     PRINTED = " "
     FILLED = "+"
@@ -91,7 +91,7 @@ def complete_listings(program: str, listings: Sequence[PrintedListing]) -> list[
 
 
 def place_listing(lines: Sequence[str], texts: Sequence[str], start: int) -> list[tuple[int, str]] | None:
-    """Where the lines of a listing stand if the first stands at `start`; None if they do not."""
+    """Return the places of a listing's lines if the first stands at `start`; None if they do not match."""
     indent = texts[start][: len(texts[start]) - len(texts[start].lstrip())]
     found: list[tuple[int, str]] = []
     at = start

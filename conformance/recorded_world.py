@@ -35,7 +35,7 @@ class RecordedWorld(Still):
         self.poses += [{name: body.properties[name] for name in self.properties} for body in bodies]
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
-        """Time passes."""
+        """Let a time step pass, and take the recorded values of its end."""
         self.passed += 1
         for number, recorded in self.world[self.passed].items() if self.passed < len(self.world) else ():
             if number.isdecimal() and int(number) < len(self.poses):
@@ -44,7 +44,7 @@ class RecordedWorld(Still):
         return ()
 
     def read(self, id: int) -> Pose:
-        """Where the object is."""
+        """Return the current properties of the object."""
         return self.poses[id]
 
     def destroy(self) -> None:

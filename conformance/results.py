@@ -1,4 +1,6 @@
-"""What an implementation said of every vector, a line each: a file to keep, in which a change of behaviour is a change of a line."""
+"""The verdicts of an implementation on every vector, a line each: a file to keep, in which a change of
+behaviour is a change of a line.
+"""
 
 from __future__ import annotations
 
@@ -70,6 +72,6 @@ def lines_at(path: Path) -> Mapping[str, str]:
 
 
 def changes(before: Mapping[str, str], results: Sequence[Result]) -> list[str]:
-    """What is not as before: a line for each vector that is in both."""
+    """Return the changed verdicts: a line for each vector in both whose verdict differs."""
     now = {result.vector.name: verdict_line(result) for result in results}
     return [f"{name}: was {before[name]}; is {now[name]}" for name in sorted(now) if name in before and before[name] != now[name]]

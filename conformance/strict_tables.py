@@ -105,7 +105,7 @@ class VectorFields:
         return self.as_probability(key, self.any(key))
 
     def as_number(self, key: str, found: object) -> float:
-        """A finite number."""
+        """Return the number; raise the error of the table if it is not finite."""
         if isinstance(found, bool) or not isinstance(found, (int, float)) or not math.isfinite(found):
             raise self.wrong(f"{key} must be a finite number, not {found!r}")
         return float(found)

@@ -11,7 +11,9 @@ from .verdict import VectorVerdict
 
 
 class Matcher(Protocol):
-    """What is claimed about the scenes or simulations of a program; `conformance.matchers` holds the closed table of them."""
+    """A claim about the scenes or simulations of a program; `conformance.matchers` holds the closed table of
+    them.
+    """
 
     def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Whether the implementation agrees. What it raises besides `Refused` and `NeverAccepted` goes through."""

@@ -1,1 +1,1 @@
-"""What writes or reads a file: scenes, recordings of simulations, tables, pictures, movies, saved states."""
+"""Readers and writers of files: scenes, recordings of simulations, tables, pictures, movies, saved states."""

@@ -74,7 +74,9 @@ def object_entry(
 
 
 def problem_of(scene: object) -> str:
-    """What keeps a value from being a scene of the format; "" if nothing does. Numbers may be infinite or NaN: that is a finding."""
+    """Return the reason why a value is not a scene of the format, or "". Numbers may be infinite or NaN:
+    these are findings.
+    """
     if not isinstance(scene, dict):
         return "a scene is an object in braces"
     if scene.get("schema", SCHEMA) != SCHEMA:

@@ -32,7 +32,7 @@ Columns = dict[str, TypedColumn]
 
 
 def part_of(name: str) -> tuple[str, str] | None:
-    """What a column is a part of, and its name there; None for a column of its own."""
+    """Return the part to which a column belongs, and its name there; None for a column of its own."""
     part, _, inner = name.partition(".")
     return (part, inner) if part in PARTS else None
 

@@ -183,7 +183,7 @@ DEFAULTS = {**built_in_defaults(OBJECT_CLASS), "visibleDistance": 50, "width": 1
 
 
 def comment_text(value: object) -> str:
-    """What a value is, for a comment of one line."""
+    """Return the text of a value for a comment of one line."""
     return " ".join(stable_repr(unwrap(value)[0]).split())
 
 

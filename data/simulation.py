@@ -98,7 +98,7 @@ def body_json(body: Body) -> dict[str, object]:
 
 
 def moment_json(moment: Moment) -> dict[str, object]:
-    """A time step."""
+    """Return a time step as JSON."""
     return {
         "step": moment.step,
         "objects": [{"id": k, **{name: json_value(value) for name, value in pose.items()}} for k, pose in enumerate(moment.objects)],

@@ -237,7 +237,9 @@ FEW = 256
 
 
 class StoredArray(NamedTuple):
-    """Where an array stands in the file, its type and shape; where all rows are alike, there is only the first."""
+    """An array in the file: its place, its type and its shape; if all rows are alike, only the first is
+    stored.
+    """
 
     place: int
     dtype: np.dtype[Any]
@@ -275,14 +277,12 @@ class Spool:
         self.groups.append((rows_in(group), pieces))
 
     def store(self, array: np.ndarray) -> StoredArray:
-        """Write an array."""
         alike = len(array) > 1 and all_alike(array)
         stored = StoredArray(self.file.tell(), array.dtype, array.shape, alike)
         self.file.write(np.ascontiguousarray(array[:1] if alike else array).data)
         return stored
 
     def array(self, stored: StoredArray) -> np.ndarray:
-        """Read an array."""
         self.file.seek(stored.place)
         found = np.empty((1, *stored.shape[1:]) if stored.alike else stored.shape, stored.dtype)
         self.file.readinto(found.data)  # type: ignore[attr-defined]
@@ -313,7 +313,7 @@ class Spool:
         return any(name not in pieces or pieces[name].valid is not None for _, pieces in self.groups)
 
     def piece(self, rows: int, piece: Stored | None) -> TypedColumn:
-        """What was written of a column."""
+        """Read a column that was stored; None reads as an empty column of `rows` rows."""
         if piece is None:
             return empty_column(rows)
         values, valid, texts = self.array(piece.values), None if piece.valid is None else self.array(piece.valid), ()
@@ -479,7 +479,7 @@ class CsvTable(TableFile):
     """A CSV file: a line with the names, then one for each row; what is missing is empty, lists are JSON."""
 
     def complete(self, spool: Spool, target: IO[bytes]) -> None:
-        """Write the lines."""
+        """Write all rows as lines of CSV."""
         text = TextIOWrapper(target, encoding="utf-8", newline="")
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(spool.kinds)

@@ -200,7 +200,9 @@ def numbers(values: np.ndarray) -> TypedColumn:
 
 
 def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
-    """The same values in a type that `joint` gives for theirs and others."""
+    """Return the column with its values converted to `kind`, a type that `joint` gives for its own type and
+    others.
+    """
     if column.kind == kind:
         return column
     if column.kind == NOTHING:
@@ -295,7 +297,9 @@ def select_rows(column: TypedColumn, rows: slice | np.ndarray) -> TypedColumn:
 
 
 def in_first_order(column: TypedColumn) -> TypedColumn:
-    """The same texts, equal ones once, in the order in which they come first, without those that no row has."""
+    """Return the column with its texts made unique, in the order of their first appearance, without unused
+    ones.
+    """
     places: dict[str, int] = {}
     number_of = np.array([places.setdefault(v, len(places)) for v in column.texts], dtype=np.int64)
     codes = number_of[column.values]

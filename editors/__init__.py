@@ -1,4 +1,6 @@
-"""What editors ask about a program while it is being typed: diagnostics, hover, completion, definitions, by the Language Server Protocol.
+"""Editor support by the Language Server Protocol: diagnostics, hover, completion and definitions while a
+program is being typed.
 
-The process that speaks to the editor only reads the words of programs; whatever parses or runs them is a process of its own (`worker`).
+The process that speaks to the editor only reads the words of programs; whatever parses or runs them is a
+process of its own (`worker`).
 """

@@ -26,7 +26,9 @@ Request = Mapping[str, object]
 
 
 def diagnostics_of(request: Request) -> list[dict[str, object]]:
-    """What is wrong with the program of a request: `text` in `file`, modules beside it in `folder`, under limits of `memory` and `seconds`."""
+    """Return the problems of the program in a request: `text` in `file`, modules beside it in `folder`, under
+    limits of `memory` and `seconds`.
+    """
     file, text, folder = str(request["file"]), str(request["text"]), request["folder"]
     WALL.build(Limits(int(str(request["memory"])), float(str(request["seconds"]))))
     try:

@@ -1,4 +1,4 @@
-"""What can stand at a place of a text that is no program yet: specifiers, properties, names, modules, words."""
+"""Completion in a text that is not yet a program: specifiers, properties, names, modules, words."""
 
 from __future__ import annotations
 
@@ -117,7 +117,9 @@ class CompletedPlace(NamedTuple):
 
 
 def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> list[Completion]:
-    """What can stand at an index of the text, each once; nothing in comments and texts; `unasked`, only what is likely."""
+    """Return the completions at an index of the text, each once; none in comments and texts. With `unasked`,
+    return only likely ones.
+    """
     text = finder.main.text
     inside = piece_at(text, offset)
     if inside is not None and inside.start < offset and is_dumb(inside, offset):
@@ -177,7 +179,7 @@ def phrase_suggestion(phrase: str, start: int, *kinds: str) -> Completion:
 
 
 def possible_completions(place: CompletedPlace) -> Iterator[Completion]:
-    """What can stand at a place, by what stands before it."""
+    """Yield the completions at a place, chosen by the words before it."""
     words = place.words
     first, last = words[0] if words else "", words[-1] if words else ""
     if first in ("import", "from", "model") and len(words) + bool(place.prefix):
@@ -276,13 +278,13 @@ def complete(place: CompletedPlace) -> bool:
 
 
 def specifiers(place: CompletedPlace) -> Iterator[Completion]:
-    """The specifiers."""
+    """Yield the specifiers that can stand at a place."""
     found = (*SPECIFIERS, *(RELEASED_SPECIFIERS if place.released else ()))
     yield from (phrase_suggestion(phrase, place.start, "specifier") for phrase in found)
 
 
 def statement(place: CompletedPlace) -> Iterator[Completion]:
-    """What a statement can begin with; in a class the properties of those above it."""
+    """Yield the beginnings of a statement; in a class also the properties of its superclasses."""
     home = list(around(place.finder.main.outline, place.start))[-1] if place.line.indent else place.finder.main.outline
     if home.kind == "class":
         yield from (one._replace(label=f"{one.label}: ") for one in properties(place, home.name))
@@ -292,7 +294,7 @@ def statement(place: CompletedPlace) -> Iterator[Completion]:
 
 
 def expression(place: CompletedPlace) -> Iterator[Completion]:
-    """What an expression can begin with: names of the text and of the language, and prefix operators."""
+    """Yield the beginnings of an expression: names of the text and of the language, and prefix operators."""
     yield from (name_completion(name, meaning, place) for name, meaning in place.names.items())
     yield from (built_in(name, place.start) for name in BUILTINS)
     yield from (Completion(name, "variable", place.start) for name in ("ego", "self", "workspace"))

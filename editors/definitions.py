@@ -1,4 +1,4 @@
-"""Where the name under the pointer is defined, and the outline of a text."""
+"""The definition of the name under the pointer, and the outline of a text."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def targets(finder: NameFinder, offset: int) -> list[DefinedAt]:
 
 
 def target_of(finder: NameFinder, meaning: Meaning) -> list[DefinedAt]:
-    """Where a definition or a module stands; nowhere, if that is no file."""
+    """Return the place of a definition or a module; none if it stands in no file."""
     module = meaning.module
     if module.path is None and module != finder.main:
         return []

@@ -1,4 +1,4 @@
-"""What an editor shows of the word under the pointer, in Markdown."""
+"""The text, in Markdown, that an editor shows for the word under the pointer."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class HoverText(NamedTuple):
 
 
 def hover(finder: NameFinder, offset: int) -> HoverText | None:
-    """What there is to say of an index of the text."""
+    """Return the hover text for an index of the text, or None."""
     subject = subject_at(finder, offset)
     if subject is None:
         return None

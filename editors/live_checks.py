@@ -174,7 +174,7 @@ class CheckingQueue:
         return tasks
 
     async def end(self) -> None:
-        """The same, and wait: nothing of it is left when this is over."""
+        """Stop all work and wait until none of it is left."""
         if tasks := self.stop():
             await asyncio.wait(tasks)
         await self.process.end()

@@ -30,12 +30,12 @@ class SourceModule(NamedTuple):
 
     @property
     def outline(self) -> Definition:
-        """What the text defines."""
+        """The definitions in the text."""
         return outline(self.text)
 
     @property
     def folder(self) -> Path | None:
-        """Where modules beside it stand."""
+        """The folder of the module, in which it finds others; None if it has no file."""
         return None if self.path is None else self.path.parent
 
     @property

@@ -17,7 +17,9 @@ LONGEST_LINE = 200
 
 
 class Meaning(NamedTuple):
-    """What a name is: a definition in a module, a whole module, or (neither) a name that a module of Python has."""
+    """The meaning of a name: a definition in a module, a whole module, or (neither) a name that a Python
+    module defines.
+    """
 
     module: SourceModule
     definition: Definition | None = None
@@ -68,7 +70,9 @@ class NameFinder:
         return {name: meaning for name, meaning in found.items() if not name.startswith("_")}
 
     def imported(self, one: Definition, module: SourceModule, seen: frozenset[str]) -> Meaning:
-        """What an import binds: a module, or what its name is in the module; the import itself where that is not to be found."""
+        """Return the meaning of an import: a module, or a member of one; the import itself if the module is
+        not found.
+        """
         source = self.shelf.find(one.module, one.level, module)
         if source is None:
             return Meaning(module, one)
@@ -135,7 +139,7 @@ def around(root: Definition, offset: int) -> Iterator[Definition]:
 
 
 def definition_line(meaning: Meaning) -> str:
-    """What defines something, in one line; of what has a block, the first line."""
+    """Return the definition in one line; for a block, its first line."""
     definition = meaning.definition
     if definition is None:
         return f"import {meaning.module.name}"

@@ -1,4 +1,6 @@
-"""What a text defines, whether or not it is a program at the moment: classes, functions, behaviors, names, with their places."""
+"""The outline of a text, whether or not it is a program at the moment: classes, functions, behaviors, names,
+with their places.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,7 @@ def outline(text: str) -> Definition:
 
 
 def definitions(line: Line, home: str) -> Iterator[Definition]:
-    """What a statement defines, in a text or in a definition of the kind `home`."""
+    """Yield the definitions of a statement, in a text or in a definition of the kind `home`."""
     pieces = line.pieces
     words = list(line.words)
     if words[0] in OPENERS and len(words) > 1 and pieces[1].kind == "name":

@@ -1,4 +1,4 @@
-"""What a place of a text is about: a name with its meaning, a property, or a word of the language."""
+"""The subject at a place of a text: a name with its meaning, a property, or a word of the language."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Subject(NamedTuple):
 
 
 def subject_at(finder: NameFinder, offset: int) -> Subject | None:
-    """What an index of the text is about; None in comments, texts and between words."""
+    """Return the subject at an index of the text; None in comments, texts and between words."""
     text = finder.main.text
     piece = piece_at(text, offset)
     line = None if piece is None or piece.kind != "name" else line_at(text, piece.start)

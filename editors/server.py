@@ -74,7 +74,7 @@ class ScenicServer(LanguageServer):
         return TextLines(text, str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding)))
 
     def finder(self, document: TextDocument) -> NameFinder:
-        """What looks names up in a document, and in modules as they are in the editor."""
+        """Return the finder of names in a document; it reads other open modules as they are in the editor."""
         opened = {os.path.realpath(d.path): d for d in self.workspace.text_documents.values() if to_fs_path(d.uri) is not None}
 
         def text(path: Path) -> str | None:
@@ -132,7 +132,7 @@ class ScenicServer(LanguageServer):
     # -- Answers
 
     def hover_at(self, params: types.HoverParams) -> types.Hover | None:
-        """What is shown of the word under the pointer."""
+        """Return the hover text for the word under the pointer."""
         document = self.text_of(params.text_document.uri)
         if document is None:
             return None
@@ -143,7 +143,7 @@ class ScenicServer(LanguageServer):
         return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, shown.markdown), editor_range(lines, shown.start, shown.end))
 
     def completions_at(self, params: types.CompletionParams) -> types.CompletionList:
-        """What can stand at a place; a space that was typed brings only what is likely behind one."""
+        """Return the completions at a place; after a typed space, only the likely ones."""
         document = self.text_of(params.text_document.uri)
         if document is None:
             return types.CompletionList(False, [])
@@ -154,7 +154,7 @@ class ScenicServer(LanguageServer):
         return types.CompletionList(False, [item(one, number, lines, offset) for number, one in enumerate(found)])
 
     def definitions_at(self, params: types.DefinitionParams) -> list[types.Location]:
-        """Where the name at a place is defined."""
+        """Return the places at which the name at a place is defined."""
         document = self.text_of(params.text_document.uri)
         if document is None:
             return []
@@ -181,7 +181,7 @@ def editor_range(lines: TextLines, start: int, end: int) -> types.Range:
 
 
 def expected_tokens_text(record: dict[str, object]) -> str:
-    """What the parser expected."""
+    """Return a text that lists the tokens the parser expected, or ""."""
     found = record["expected"]
     return f"expected {', '.join(map(str, found))}" if isinstance(found, list) and found else ""
 
@@ -201,7 +201,7 @@ def item(one: Completion, number: int, lines: TextLines, offset: int) -> types.C
 
 
 def symbols(definition: Definition, lines: TextLines) -> Iterator[types.DocumentSymbol]:
-    """What stands in a definition, each name once, but for imports and parameters."""
+    """Yield the symbols in a definition, each variable once, without imports and parameters."""
     seen: set[str] = set()
     for one in definition.children:
         if one.kind in SYMBOLS and one.name and not (one.kind == "variable" and one.name in seen):

@@ -1,4 +1,4 @@
-"""What there is to say of the words of the language, of properties and of built-in names; rules are those of the catalogue."""
+"""Descriptions of the language's words, properties and built-in names; rules are those of the catalogue."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ def forms() -> tuple[specifiers.Form, ...]:
 
 
 def specified_by(rule: str) -> Iterator[str]:
-    """What the specifier of a rule specifies, and what it depends on."""
+    """Yield the properties that the specifier of a rule specifies, and its dependencies."""
     for form in forms():
         if form.rule == rule:
             optional = form.optional + (("heading",) if form.heading_of_region else ())
@@ -219,7 +219,7 @@ def specified_by(rule: str) -> Iterator[str]:
 
 
 def quote_names(names: tuple[str, ...]) -> str:
-    """Names as code."""
+    """Return the names as code in Markdown."""
     return ", ".join(f"`{name}`" for name in names)
 
 

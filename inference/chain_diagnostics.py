@@ -46,7 +46,7 @@ def bulk_ess(draws: np.ndarray) -> float:
 
 
 def tail_ess(draws: np.ndarray) -> float:
-    """The same for the 5 % and the 95 % quantile, whichever is worse."""
+    """Return the effective sample size of the 5 % and the 95 % quantile, whichever is smaller."""
     halves = split_chains(draws)
     below = [(halves <= np.quantile(draws, share)).astype(float) for share in (0.05, 0.95)]
     return min(float(b.size) if varies_not(b) else plain_ess(b) for b in below)
@@ -99,7 +99,7 @@ def plain_ess(draws: np.ndarray) -> float:
 
 
 def autocovariances(draws: np.ndarray) -> np.ndarray:
-    """Those of each chain at every lag, (chains, draws), by the fast Fourier transform."""
+    """Return each chain's autocovariances at every lag, (chains, draws), by the fast Fourier transform."""
     count = draws.shape[1]
     centred = draws - draws.mean(axis=1, keepdims=True)
     spectrum = np.fft.rfft(centred, 2 * count, axis=1)

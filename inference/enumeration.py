@@ -120,7 +120,7 @@ class Enumeration:
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
-        """The scenes alone."""
+        """The scenes of the outcomes."""
         return tuple(outcome.scene for outcome in self.outcomes)
 
     def to_json(self) -> dict[str, object]:
@@ -301,7 +301,7 @@ def by_coins(leaves: list[Leaf], known: frozenset[Address] = frozenset()) -> Ite
 
 
 def content_of_scene(scene: Scene) -> str:
-    """What a scene says, whatever its number: scenes with the same content are one outcome."""
+    """Return the content of a scene without its number: scenes with equal content are one outcome."""
     found = scene.to_json()
     return json.dumps([found["params"], found["ego"], found["objects"]], allow_nan=False)
 
@@ -383,7 +383,7 @@ def enumerate_simulations(
 
 
 def content_of_simulation(simulation: Simulated) -> str:
-    """What a simulation says, whatever its number: those with the same content are one outcome."""
+    """Return the content of a simulation without its number: equal contents are one outcome."""
     found = to_json(simulation, 1)
     scene = found["scene"]
     assert isinstance(scene, dict)

@@ -80,7 +80,7 @@ class SceneKernel(MCMCKernel):
         return found
 
     def sample(self, params: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-        """The next state."""
+        """Return the next state."""
         zero = np.zeros(1)
         state, _, taken = move(
             self.target, self.moves, states_of(self.target, {n: v[None] for n, v in params.items()}), zero, zero, self.passes, self.random
@@ -100,7 +100,7 @@ class SceneKernel(MCMCKernel):
         return OrderedDict((name, f"{np.mean(self.taken[name]):.2f}") for name in NAMES if name in self.taken)
 
     def diagnostics(self) -> dict[str, object]:
-        """The same, for Pyro's report."""
+        """Return the shares of moves that were taken, for Pyro's report."""
         return {"taken": {name: float(np.mean(parts)) for name, parts in self.taken.items()}}
 
     def scenes(self, samples: Mapping[str, torch.Tensor]) -> list[Scene]:

@@ -1,4 +1,6 @@
-"""What an inference backend gives besides scenes: how likely the requirements are, what the scenes are worth, and what is not to be trusted."""
+"""The result of an inference backend besides scenes: the probability of the requirements, the worth of the
+scenes, and reasons for doubt.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What Markov chains and populations drew: as inference data, which ArviZ reads, and as pictures of traces and ranks."""
+"""Draws of Markov chains and populations: as inference data, which ArviZ reads, and as pictures of traces and
+ranks.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ def varying_quantities(names: Sequence[str], draws: np.ndarray) -> Iterator[tupl
 
 
 def inference_data_in(path: str, names: Sequence[str], draws: np.ndarray, report: Mapping[str, object]) -> bytes:
-    """The same as the bytes of a file, JSON or netCDF by the ending of its path; netCDF needs ArviZ."""
+    """Return inference data as the bytes of a file, JSON or netCDF by the ending of its path; netCDF needs
+    ArviZ.
+    """
     found = inference_data(names, draws, report)
     if Path(path).suffix.lower() != ".nc":
         return in_json(found).encode()

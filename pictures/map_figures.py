@@ -63,7 +63,7 @@ def draw_signals(axes: Axes, network: Network, across: float) -> None:
 
 
 def draw_legend(axes: Axes, network: Network) -> None:
-    """What the colours mean, of what there is."""
+    """Draw the legend of the kinds of features that the network has."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -30,7 +30,7 @@ Window = tuple[float, float, float, float]
 
 
 def draw_map(axes: Axes, network: Network, window: Window) -> None:
-    """What of a map meets the window: areas, what is on top last, and the direction of lanes."""
+    """Draw the part of a road network in the window: areas, the topmost last, and the direction of lanes."""
     draw_areas(axes, network, window)
     draw_arrows(axes, network, window, max(window[2] - window[0], window[3] - window[1]) / ARROWS_OF_SCENE)
 
@@ -168,12 +168,12 @@ def marks(found: Sequence[Laid], window: Window, taken: Sequence[Window], width_
 
 
 def largest_features(found: Sequence[Laid]) -> list[Laid]:
-    """The largest features."""
+    """Return the largest features, at most `MOST_MARKS`."""
     return sorted(found, key=lambda one: (-one.shape.area, -one.shape.length))[:MOST_MARKS]
 
 
 def visible(one: Laid, found: Sequence[Laid]) -> BaseGeometry:
-    """What is seen of a feature below the areas that are drawn later."""
+    """Return the part of a feature that areas drawn later leave visible."""
     if one.kind != "areas":
         return one.shape
     later = [other.shape for other in found[found.index(one) + 1 :] if other.kind == "areas"]
@@ -182,7 +182,7 @@ def visible(one: Laid, found: Sequence[Laid]) -> BaseGeometry:
 
 
 def spots(kind: str, shape: BaseGeometry, window: Window, height: float) -> np.ndarray:
-    """Where a mark of a feature may have its centre, (n, 2) in metres."""
+    """Return candidate centres for a mark of a feature, (n, 2) in metres."""
     above = np.array([0.0, height])
     if kind == "areas":
         x, y = (np.linspace(low, high, CELLS + 2)[1:-1] for low, high in ((window[0], window[2]), (window[1], window[3])))
@@ -211,7 +211,7 @@ def clear(places: np.ndarray, size: tuple[float, float], used: Sequence[Window],
 
 
 def room(place: tuple[float, float], size: tuple[float, float]) -> Window:
-    """What something of a size takes at a place."""
+    """Return the window that a text of some size covers when it is centred at a place."""
     (x, y), (width, height) = place, size
     return x - width / 2, y - height / 2, x + width / 2, y + height / 2
 
@@ -250,7 +250,9 @@ def site_of(state: State) -> SiteMap | None:
 
 
 def map_features_in(site: SiteMap | None, window: Window) -> list[Laid]:
-    """What a window shows of a map, large areas first, then lines and points; nothing without a map. The workspace is drawn by itself."""
+    """Return the features of a map in a window, large areas first, then lines and points; none without a map.
+    The workspace is drawn separately.
+    """
     if site is None:
         return []
     order = {name: k % len(FAINT) for k, name in enumerate(site.names())}
@@ -267,7 +269,7 @@ def map_features_in(site: SiteMap | None, window: Window) -> list[Laid]:
 
 
 def drawable_features(found: list[Laid]) -> Iterator[Laid]:
-    """Those that may be drawn: the largest ones, where there are too many."""
+    """Yield the features that may be drawn: the largest ones, if together they have too many points."""
     points = 0
     for one in sorted(found, key=lambda one: (-one.shape.area, -one.shape.length)):
         points += int(shapely.get_num_coordinates(one.shape))
@@ -276,7 +278,7 @@ def drawable_features(found: list[Laid]) -> Iterator[Laid]:
 
 
 def draw_site(axes: Axes, site: SiteMap | None, window: Window) -> None:
-    """What a window shows of a map, above the workspace and below ego's view."""
+    """Draw the features of a map in a window, above the workspace and below ego's view."""
     for one in map_features_in(site, window):
         if one.kind == "areas":
             fill(axes, [one.shape], one.faint, 0.5, one.dim)

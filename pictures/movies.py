@@ -99,7 +99,7 @@ def movie(simulation: Simulated, title: str, on_frame: Callable[[], None] = lamb
 
 
 def courses_of(simulation: Simulated) -> list[Course]:
-    """What each object does: what the simulator does not say stays as it was."""
+    """Return the course of each object; a property that the simulator does not report keeps its value."""
     scene = simulation.scene
     things = [(o.name or "", o.class_name, o.position, o.heading, o.width, o.length) for o in scene.objects]
     for body in simulation.created:
@@ -122,7 +122,7 @@ def pose_in(pose: Mapping[str, object], position: object, heading: object) -> tu
 
 
 def window_around(courses: Sequence[Course]) -> Window:
-    """What holds all objects in all time steps, and a little of what surrounds them. Raises `UsageError`."""
+    """Return the window that holds all objects in all time steps, with a margin. Raises `UsageError`."""
     points = np.array([(p.x, p.y) for c in courses for pose in c.poses if pose is not None for p in corners(*pose, c.width, c.length)])
     if not np.all(np.abs(points) < FARTHEST):
         raise UsageError(f"the simulation cannot be drawn: it has coordinates of {FARTHEST:g} m or more")
@@ -199,7 +199,7 @@ def place(one: Artists, step: int, window: Window) -> None:
 
 
 def image_of(canvas: FigureCanvasAgg) -> Image:
-    """What is on the canvas now, as an image of its own."""
+    """Return the current content of the canvas as an independent image."""
     from PIL import Image
 
     return Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy())

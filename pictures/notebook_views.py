@@ -1,4 +1,4 @@
-"""What notebooks and prompts show of scenes and programs: one line, a picture with a table, the text."""
+"""Views of scenes and programs for notebooks and prompts: one line, a picture with a table, the text."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def line_of_scene(scene: Scene) -> str:
 
 
 def count_phrase(number: int, thing: str) -> str:
-    """So many things."""
+    """Return a number with its noun, in the plural except for 1."""
     return f"{number:,} {thing}{'' if number == 1 else 's'}"
 
 

@@ -1,4 +1,6 @@
-"""What the page that plays simulations again shows of each: its objects in the colours of pictures, and the land below them."""
+"""Data for the page that replays simulations: the objects of each in the colours of pictures, and the land
+below them.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ OF_OBJECT = ("id", "name", "class", "position", "heading", "width", "length")
 
 
 def run_shown(run: Json) -> dict[str, object]:
-    """What the page needs of a simulation in the simulation format: the objects by number, those of the scene first, each with its colour."""
+    """Return the page's data for a simulation in the simulation format: its objects by number, those of the
+    scene first, each with its colour.
+    """
     scene, created = run["scene"], run["created"]
     assert isinstance(scene, Mapping) and isinstance(created, Sequence)
     things: list[Json] = [*scene["objects"], *created]
@@ -41,7 +45,9 @@ def run_shown(run: Json) -> dict[str, object]:
 
 
 def land_below(scene: Scene, run: Json) -> dict[str, object] | None:
-    """What lies around the objects of a simulation (`land_around`); None for a network of roads (`map_below`), of which all runs show one."""
+    """Return the land around the objects of a simulation (`land_around`); None for a road network
+    (`map_below`), of which all runs share one.
+    """
     window = window_around([run])
     if isinstance(scene.workspace, MapWorkspace):
         return None
@@ -102,7 +108,9 @@ def round_point(point: Sequence[float], digits: int) -> list[float]:
 
 
 def window_around(runs: Iterable[Json]) -> Window | None:
-    """What holds all objects of the simulations in all time steps, and much of what surrounds them; None if they are too far away."""
+    """Return a window that holds all objects of the simulations in all time steps, with much room around
+    them; None if they are too far away.
+    """
     places = [place for run in runs for place in places_in(run)]
     if not places or not all(abs(x) < FARTHEST and abs(y) < FARTHEST for x, y in places):
         return None
@@ -112,7 +120,7 @@ def window_around(runs: Iterable[Json]) -> Window | None:
 
 
 def places_in(run: Json) -> Iterable[tuple[float, float]]:
-    """Where objects are, at first and later."""
+    """Yield the positions of all objects, at first and later."""
     scene, created, steps = run["scene"], run["created"], run["steps"]
     for one in (*scene["objects"], *created, *(o for step in steps for o in step["objects"])):  # type: ignore[index, misc]
         if "position" in one:

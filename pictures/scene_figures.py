@@ -120,7 +120,7 @@ def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
 
 
 def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Region | None) -> None:
-    """The same, in a figure that is there, with what the colours mean below."""
+    """Draw scenes side by side in an existing figure, with the meaning of the colours below."""
     from matplotlib.patches import Patch
 
     rows, columns, _ = multiples_layout(len(scenes))
@@ -184,7 +184,7 @@ def window_of(scene: Scene) -> Window:
 
 
 def bounds_of_shape(shapes: Sequence[BaseGeometry]) -> Window:
-    """What holds all of the shapes, and a little of what surrounds them."""
+    """Return the window that holds all of the shapes, with a margin."""
     west, south, east, north = (float(x) for x in shapely.total_bounds(np.array(shapes, dtype=object)))
     margin = 0.04 * max(east - west, north - south) or 1.0
     return west - margin, south - margin, east + margin, north + margin
@@ -222,7 +222,9 @@ def draw_view(axes: Axes, points: Outline) -> None:
 
 
 def views_of(scenes: Sequence[Scene]) -> list[Outline]:
-    """What ego sees in each of the scenes that are shown together; nothing for all where nothing else is shown in any."""
+    """Return ego's view in each of the scenes that are shown together; no views at all if ego sees everything
+    in every scene.
+    """
     views = [view_of(scene.ego) if scene.ego_id is not None else [] for scene in scenes]
     partly = any(view and not is_all(view, window_of(scene)) for view, scene in zip(views, scenes, strict=True))
     return list(views) if partly else [[] for _ in views]
@@ -339,13 +341,15 @@ def draw_marks(axes: Axes, scene: Scene, size: int, window: Window, taken: Seque
 
 
 def bounds_of(o: SceneObject) -> Window:
-    """What holds the box of an object."""
+    """Return the bounds of an object's box."""
     points = corners(o.position, o.heading, o.width, o.length)
     return min(p.x for p in points), min(p.y for p in points), max(p.x for p in points), max(p.y for p in points)
 
 
 def room_for(width: float, height: float, box: Window, others: Sequence[Window], window: Window) -> Window:
-    """Where a text is best put beside a box: below, above, right or left of it, or further off, wherever least of others is covered."""
+    """Choose a place for a text beside a box (below, above, right or left of it, or further off) that covers
+    least of the others.
+    """
     west, south, east, north = box
     x, y, gap = (west + east) / 2, (south + north) / 2, height / 4
     spots = []

@@ -1,4 +1,6 @@
-"""What the process loads from which those that work are forked, so that these need not: it is imported there, and by nobody else."""
+"""The modules that the fork server loads once, so that the processes forked from it need not; nothing else
+imports this module.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page asks for: scenes as they are drawn, histograms of many scenes, traces and simulations."""
+"""The jobs of the page: scenes as they are drawn, histograms of many scenes, traces and simulations."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ Send = Callable[[Json], None]
 
 
 class Found:
-    """What was found so far of the scenes of a request, and what the attempts at them met."""
+    """The scenes found so far for a request, and the requirements that rejected attempts at them."""
 
     def __init__(self, coins: bool) -> None:
         self.coins = coins
@@ -72,7 +72,7 @@ class Found:
         self.soft: dict[object, Softness] = {}
 
     def add(self, scene: Scene, stuck: Counter[Requirement]) -> None:
-        """One more scene."""
+        """Add one scene to those found."""
         self.scenes.append(scene)
         self.stuck.update(stuck)
         self.attempts += scene.attempts
@@ -124,7 +124,7 @@ def features_in(scenes: list[Scene]) -> list[Json]:
 
 
 def names_in(scenes: list[Scene]) -> dict[str, str]:
-    """What the objects are called, by number: their names, else their classes."""
+    """Return the names of the objects by number; an object without a name has the name of its class."""
     named: dict[str, str] = {}
     for scene in scenes:
         for o in scene.objects[:MOST_FEATURES]:

@@ -115,7 +115,9 @@ def object_shown(written: Mapping[str, object]) -> Json:
 
 
 def ground_of(scene: Scene, window: Window) -> Json:
-    """What lies below the objects: the roads, or the workspace with a map of one's own, whose features are named where there is room."""
+    """Return the ground below the objects: the roads, or the workspace with the program's own map, whose
+    features are named if there is room.
+    """
     if isinstance(scene.workspace, MapWorkspace):
         return map_in(scene.workspace.network, window)
     return land_around(scene, window) | {"marks": marks_shown(scene, window)}
@@ -135,7 +137,7 @@ def marks_shown(scene: Scene, window: Window) -> list[Json]:
 
 
 def named_room(o: SceneObject, unit: float) -> Window:
-    """Where the page may put the name of an object, above or below it."""
+    """Return the room that the page may use for the name of an object, above or below it."""
     west, south, east, north = bounds_of(o)
     half = max(east - west, len(shorten_name(o.name or o.class_name)) * LETTER * SMALL * unit) / 2
     middle = (west + east) / 2
@@ -175,6 +177,6 @@ def tally_shown(
 
 
 def exhausted_of(error: ScenicError) -> list[tuple[Requirement, int]]:
-    """What rejected the attempts that were exhausted."""
+    """Return the requirements that rejected the exhausted attempts, with their counts."""
     return [(r, n) for r, n in error.stuck if isinstance(r, Requirement)] if isinstance(error, AttemptsExhausted) else []
 

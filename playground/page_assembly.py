@@ -1,4 +1,4 @@
-"""What `scenic-ref play` does: it reads the program to begin with, makes the page, and serves it."""
+"""The work of `scenic-ref play`: it reads the initial program, makes the page, and serves it."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def open_in_browser(address: str) -> None:
 
 
 def page_data(source: Source, linked: Linked | None, seed: int) -> dict[str, object]:
-    """What the page begins with."""
+    """Return the data with which the page begins."""
     readings = [
         {
             "id": r.id, "kind": r.kind, "about": r.about, "question": r.question, "alternatives": dict(r.alternatives), "places": list(r.places),

@@ -1,4 +1,4 @@
-"""What the page asks for: one piece of work on one program, as JSON that is checked before anything is done."""
+"""Requests of the page: one piece of work on one program, as JSON that is checked before anything is done."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Playground:
         self.ended = False
 
     def app(self) -> Starlette:
-        """The application."""
+        """Return the web application."""
         return Starlette(routes=[
             Route("/{token}/", self.show, methods=["GET"]), Route("/{token}/work", self.work, methods=["POST"]),
             Route("/{rest:path}", self.refuse, methods=["GET", "POST", "PUT", "DELETE", "PATCH", "OPTIONS"]),
@@ -73,7 +73,7 @@ class Playground:
         return None
 
     async def show(self, request: Request) -> Response:
-        """The page."""
+        """Answer with the page."""
         return self.problem(request) or self.secured(HTMLResponse(self.page), self.policy)
 
     async def refuse(self, request: Request) -> Response:
@@ -81,7 +81,7 @@ class Playground:
         return self.problem(request) or self.door()
 
     def door(self) -> Response:
-        """What is shown to those who have no token; a browser that had it once knows the way."""
+        """Return the page for visitors without a token; a browser that once had it finds its way back."""
         return self.secured(HTMLResponse(self.closed, 403), self.closed_policy)
 
     def secured(self, response: Response, policy: str = "default-src 'none'; frame-ancestors 'none'") -> Response:
@@ -160,7 +160,7 @@ class Playground:
 
 
 def crash_message(code: int | None) -> str:
-    """What is said of a process that has ended without an answer."""
+    """Return the message for a process that has ended without an answer."""
     how = f"was ended by signal {-code}" if code is not None and code < 0 else f"ended with exit code {code}"
     return f"The process that ran the program {how}. The server goes on; a program without --trust must not be able to do this: please report it."
 

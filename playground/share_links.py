@@ -18,7 +18,7 @@ LARGEST = 1_000_000
 
 
 class Linked(NamedTuple):
-    """What a link holds."""
+    """The content of a link."""
 
     program: str
     seed: int
@@ -38,7 +38,7 @@ def link_of(linked: Linked) -> str:
 
 
 def linked_of(link: str) -> Linked:
-    """What a link, or its part behind #, holds. Raises `UsageError`."""
+    """Return the content of a link, or of its part behind #. Raises `UsageError`."""
     letters = link.partition(MARK)[2]
     try:
         packed = base64.b64decode(letters + "=" * (-len(letters) % 4), altchars=b"-_", validate=True)

@@ -92,7 +92,7 @@ def usable(site: SiteMap) -> SiteMap:
 
 
 def parse_json(text: str) -> object:
-    """What a JSON text says. Raises `MapError`."""
+    """Return the value of a JSON text. Raises `MapError`."""
     try:
         return json.loads(text, parse_int=parse_integer)
     except json.JSONDecodeError as problem:
@@ -271,7 +271,9 @@ def in_metres(features: list[MapFeature], told: str | None, crs: str | None) -> 
 
 
 def doubt_about(given: np.ndarray, metres: np.ndarray, crs: str, *, degrees: bool) -> Doubt | None:
-    """What is implausible about the coordinates of a map, as they were `given` and in `metres`; None if nothing is."""
+    """Return a doubt about implausible coordinates of a map, as they were `given` and in `metres`; None if
+    there is none.
+    """
     across = float(np.ptp(metres, axis=0).max()) if len(metres) else 0.0
     if degrees and across > LARGEST_EXTENT:
         what = f"the map is {across / 1000:,.0f} km across, since its coordinates are read as degrees"
@@ -320,7 +322,8 @@ def of_settings(text: str) -> bool:
 
 
 def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray], np.ndarray], str, bool]:
-    """What turns coordinates of a reference system into metres, a note that says how, and whether they are degrees.
+    """Return the conversion from coordinates of a reference system into metres, a note that describes it, and
+    whether the coordinates are degrees.
 
     Raises `MapError`, and `UsageError` where the package is missing.
     """

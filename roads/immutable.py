@@ -25,7 +25,7 @@ class Fixed(Unchanging):
     scenic_names: ClassVar[frozenset[str]] = frozenset()
 
     def __init_subclass__(cls) -> None:
-        """What programs may ask for."""
+        """Collect the names of members that programs may use."""
         members = (name for name, value in vars(cls).items() if callable(value) or isinstance(value, property | cached_property))
         told = {*get_annotations(cls), *members} - HIDDEN
         cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))

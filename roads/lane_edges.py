@@ -143,7 +143,7 @@ def strips(left: Points, right: Points) -> list[tuple[Polygon, float]]:
 
 
 def areas(shape: shapely.Geometry) -> Polygon | MultiPolygon:
-    """What of a shape has an area."""
+    """Return the parts of a shape that have an area."""
     if isinstance(shape, (Polygon, MultiPolygon)):
         return shape
     return MultiPolygon([part for part in shapely.get_parts(shape) if isinstance(part, Polygon)])

@@ -1,7 +1,9 @@
-"""What is made of a map, in files that are kept between processes, since making it takes much longer than reading it.
+"""The data derived from maps, in files that are kept between processes, since making it takes much longer
+than reading it.
 
-A file has numbers, texts, coordinates and shapes only (a digest and an .npz: nothing that could be run), is named by all that it depends on, and
-appears whole or not at all. What cannot be read is made again; where nothing can be written, nothing is kept.
+A file has numbers, texts, coordinates and shapes only (a digest and an .npz: nothing that could be run), is
+named by all that it depends on, and appears whole or not at all. What cannot be read is made again; where
+nothing can be written, nothing is kept.
 """
 
 from __future__ import annotations
@@ -58,7 +60,7 @@ def map_cache_path(what: str, source: bytes, tolerance: float) -> Path | None:
 
 
 def arrays_in(place: Path | None) -> Arrays | None:
-    """What a file keeps; None if there is none, or if it is damaged."""
+    """Return the arrays that a file keeps; None if there is none, or if it is damaged."""
     if place is None:
         return None
     data = read_kept(place, MOST_BYTES)
@@ -87,7 +89,7 @@ def keep(place: Path, arrays: Arrays) -> None:
 
 
 def pack_shapes(shapes: Sequence[BaseGeometry]) -> dict[str, NDArray[Any]]:
-    """Shapes as arrays."""
+    """Pack shapes into arrays: their WKB bytes and sizes."""
     each = shapely.to_wkb(np.array(shapes, dtype=object))
     return {"shapes": np.frombuffer(b"".join(each), dtype=np.uint8), "sizes": np.array([len(one) for one in each], dtype=np.int64)}
 
@@ -124,7 +126,7 @@ def is_shallow(data: bytes) -> bool:
 
 
 def end_of(kind: int, data: bytes, place: int) -> int:
-    """Where a shape ends whose numbers begin at a place. Raises `struct.error` where there are none."""
+    """Return the end of the shape whose numbers begin at a place. Raises `struct.error` if there are none."""
     if kind == POINT:
         return place + 16
     lines, place = (struct.unpack_from("<I", data, place)[0], place + 4) if kind == POLYGON else (1, place)

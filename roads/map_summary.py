@@ -1,4 +1,4 @@
-"""What is in a map, and what is wrong with it."""
+"""The contents of a map, and its faults."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ BESIDE = 0.5
 
 
 def summary(network: Network) -> dict[str, object]:
-    """What is in a map, as `scenic-ref map --json` prints it; lengths in metres.
+    """Return the contents of a map, as `scenic-ref map --json` prints them; lengths in metres.
 
-    `roads` are those outside intersections, `lanes` are all, with those that lead through intersections; `maneuvers` counts the ways through
-    intersections by their type, and as `merge` the ways from lane to lane outside them.
+    `roads` are those outside intersections, `lanes` are all, with those that lead through intersections;
+    `maneuvers` counts the ways through intersections by their type, and as `merge` the ways from lane to lane
+    outside them.
     """
     kinds = Counter(m.type for i in network.intersections for m in i.maneuvers)
     merges = sum(m.connectingLane is None for road in network.roads for lane in road.lanes for m in lane.maneuvers)
@@ -41,7 +42,9 @@ def summary(network: Network) -> dict[str, object]:
 
 
 def faults(network: Network) -> Iterator[str]:
-    """What is wrong: joints that do not meet, roads that overlap, lanes that cannot be reached or left."""
+    """Yield the faults of a map: joints that do not meet, roads that overlap, lanes that cannot be reached or
+    left.
+    """
     yield from (line for line in network.warnings if not line.startswith((HEIGHTS, "joints of lanes")))  # joints are told one by one
     for lane in network.lanes:
         yield from bad_joints(lane)
@@ -50,7 +53,7 @@ def faults(network: Network) -> Iterator[str]:
 
 
 def bad_joints(lane: Lane) -> Iterator[str]:
-    """Where a lane does not go on as it ends: away from where the next one begins, or in another direction."""
+    """Yield the joints at which a lane does not continue smoothly: with a gap, or in another direction."""
     following = [m.connectingLane or m.endLane for m in lane.maneuvers]
     for one, other in [*((lane, f) for f in dict.fromkeys(following)), *pairwise(lane.sections)]:
         gap, turn = joint(one, other)
@@ -80,7 +83,9 @@ def points(line: PolylineRegion) -> np.ndarray:
 
 
 def unreachable(lane: Lane) -> Iterator[str]:
-    """That no lane leads to a lane, or from it, though its road goes on there; a lane may begin, or end, along its road."""
+    """Yield that no lane leads to a lane, or from it, though its road goes on there; a lane may begin, or
+    end, along its road.
+    """
     road, ends = lane.road, (lane.road.sections[0], lane.road.sections[-1])
     (first, before), (last, after) = (ends[0], road._predecessor), (ends[1], road._successor)
     if not lane.sections[0].isForward:
@@ -93,7 +98,7 @@ def unreachable(lane: Lane) -> Iterator[str]:
 
 
 def unlinked_lane_ends(lane: Lane) -> Iterator[str]:
-    """That a lane ends along its road where another one begins, without a link."""
+    """Yield that a lane ends along its road where another one begins, without a link."""
     last = lane.sections[-1]
     sections = lane.road.sections if last.isForward else lane.road.sections[::-1]
     end, place = points(last.centerline)[-1], next(k for k, section in enumerate(sections) if last in section.lanes)

@@ -59,7 +59,7 @@ class Signal(Fixed):
         return f"<Signal {self.uid}>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled as a name in its network."""
+        """Pickle the signal as a name in its network."""
         return signal_of, (self.roads[0].network, self.uid)
 
     @cached_property
@@ -149,7 +149,7 @@ VehicleType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its memb
 
 
 def there(found: T | None, what: str) -> T:
-    """What was found. Raises `Absent`."""
+    """Return the element that was found. Raises `Absent` if there is none."""
     if found is None:
         raise Absent(what)
     return found
@@ -172,7 +172,7 @@ class NetworkElement(Fixed, PolygonalRegion, Listed):
         return f"<{type(self).__name__} {self.uid}>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled as a name in its network."""
+        """Pickle the element as a name in its network."""
         return element_of, (self.network, self.uid)
 
     @cached_property
@@ -208,7 +208,7 @@ class LinearElement(NetworkElement):
 
     @cached_property
     def centerline(self) -> PolylineRegion:
-        """Its middle, in its direction."""
+        """The middle line of the element, in its direction."""
         return self.along(self.middle)
 
     @cached_property
@@ -220,12 +220,14 @@ class LinearElement(NetworkElement):
 
     @cached_property
     def leftEdge(self) -> PolylineRegion:
-        """Its left edge, seen along the centerline, and directed along the traffic beside it: on roads with two directions against the right one."""
+        """The left edge, seen along the centerline, and directed along the traffic beside it: on roads with
+        two directions against the right one.
+        """
         return self.along(self.left)
 
     @cached_property
     def rightEdge(self) -> PolylineRegion:
-        """Its right edge."""
+        """The right edge, seen along the centerline."""
         return self.along(self.right)
 
     def along(self, line: Points) -> PolylineRegion:
@@ -234,7 +236,9 @@ class LinearElement(NetworkElement):
 
     @property
     def strips(self) -> Sequence[tuple[Polygon, float]]:
-        """It, cut across, with the heading of each part; as a whole where its edges do not run along each other."""
+        """The element cut across, with the heading of each part; the whole element if its edges do not run
+        along each other.
+        """
         if self.across:
             return strips(self.left, self.right)
         heading = self.centerline.heading_at(Vector(self.polygon.centroid.x, self.polygon.centroid.y))
@@ -242,12 +246,12 @@ class LinearElement(NetworkElement):
 
     @property
     def successor(self) -> NetworkElement:
-        """What comes after it; rejects if there is nothing."""
+        """The element after this one; rejects if there is none."""
         return there(self._successor, f"{self.uid} has no successor")
 
     @property
     def predecessor(self) -> NetworkElement:
-        """What comes before it; rejects if there is nothing."""
+        """The element before this one; rejects if there is none."""
         return there(self._predecessor, f"{self.uid} has no predecessor")
 
     def heading_at(self, v: Vector) -> float:
@@ -284,7 +288,7 @@ class Road(LinearElement):
 
     @property
     def strips(self) -> Sequence[tuple[Polygon, float]]:
-        """Those of its lanes."""
+        """The strips of the road's lanes."""
         return [cell for lane in self.lanes for cell in lane.strips]
 
     @property
@@ -294,7 +298,7 @@ class Road(LinearElement):
 
     @lift_method(float)
     def heading_at(self, v: Vector) -> float:
-        """That of the lane group there, else along the centerline."""
+        """Return the heading of the lane group at a point, else along the centerline."""
         group = self.laneGroupAt(v)
         return (group or self.centerline).heading_at(v)
 
@@ -370,7 +374,7 @@ class LaneGroup(LinearElement):
 
     @lift_method(float)
     def heading_at(self, v: Vector) -> float:
-        """That of the lane there, else along the centerline."""
+        """Return the heading of the lane at a point, else along the centerline."""
         return (self.laneAt(v) or self.centerline).heading_at(v)
 
     def laneAt(self, point: object, reject: bool | str = False) -> Lane | None:
@@ -415,7 +419,7 @@ class RoadSection(LinearElement):
 
     @lift_method(float)
     def heading_at(self, v: Vector) -> float:
-        """That of the lane there, else along the centerline."""
+        """Return the heading of the lane at a point, else along the centerline."""
         return (self.laneAt(v) or self.centerline).heading_at(v)
 
     def laneAt(self, point: object, reject: bool | str = False) -> LaneSection | None:
@@ -469,7 +473,7 @@ class LaneSection(LinearElement):
 
 
 class BesideRoad(LinearElement):
-    """What is along a road."""
+    """An element that lies along a road."""
 
     _road: Road | None
 
@@ -517,7 +521,7 @@ TURN = math.radians(20)
 
 
 class ManeuverType(enum.Enum):
-    """Kinds of maneuvers."""
+    """The kinds of maneuvers: straight on, a left turn, a right turn, a U-turn."""
 
     STRAIGHT = enum.auto()
     LEFT_TURN = enum.auto()
@@ -536,7 +540,7 @@ ManeuverType.scenic_names = frozenset({"guessTypeFromLanes"})  # type: ignore[at
 
 
 class Intersection(NetworkElement):
-    """An intersection."""
+    """An intersection of several roads."""
 
     roads: tuple[Road, ...]
     """Anticlockwise around it, as are the lanes."""
@@ -569,7 +573,9 @@ class Intersection(NetworkElement):
 
     @lift_method(float)
     def heading_at(self, v: Vector) -> float:
-        """That of the nearest connecting lane, the first of several; where there is none, in triangles of their middle's heading."""
+        """Return the heading of the nearest connecting lane, the first of several; where there is none, in
+        triangles of their middle's heading.
+        """
         return self.network.roadDirection.at(v) if self.contains_point(v) else self.nearest(v).heading_at(v)
 
     def nearest(self, v: Vector) -> Lane:
@@ -578,11 +584,13 @@ class Intersection(NetworkElement):
 
     @property
     def connecting(self) -> list[Lane]:
-        """Those of its maneuvers, in their order."""
+        """Return the connecting lanes of the maneuvers, in their order."""
         return [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
 
     def gaps(self) -> list[Cell]:
-        """What of it is on no connecting lane, in triangles with the direction of the nearest one at the middle of each."""
+        """Return the parts on no connecting lane, as triangles with the direction of the nearest one at the
+        middle of each.
+        """
         lanes = self.connecting
         shapes = np.array([lane.polygon for lane in lanes])
         left = shapely.difference(self.polygon, shapely.union_all(shapes))
@@ -619,7 +627,7 @@ class Maneuver(Fixed):
         return f"<Maneuver {self.type.name} from {self.startLane.uid} to {self.endLane.uid}>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled as one of its lane's."""
+        """Pickle the maneuver as one of its lane's."""
         return maneuver_of, (self.startLane, self.startLane.maneuvers.index(self))
 
     @cached_property
@@ -659,7 +667,7 @@ def maneuver_of(lane: Lane, index: int) -> Maneuver:
 
 
 class OfNetwork:
-    """What a network has by a name, under which it is pickled."""
+    """A part of a network that is pickled by its name there."""
 
     scenic_made = True
 
@@ -700,7 +708,9 @@ def region_along(elements: Sequence[NetworkElement], name: str, orientation: Vec
 
 
 def fringe(cells: Sequence[Cell], elements: Sequence[NetworkElement], width: float) -> list[Cell]:
-    """What is so near to the cells of elements but outside these: the cells so much wider, in their order, where they come out of the elements."""
+    """Return the surroundings of elements up to `width`: their cells widened so much, in their order, where
+    they come out of the elements.
+    """
     if not cells:
         return []
     whole = union_closing_gaps([element.polygon for element in elements])
@@ -733,7 +743,7 @@ class MapWorkspace(Workspace):
         self.network = network
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled as that of its network."""
+        """Pickle the workspace as that of its network."""
         return getattr, (self.network, "workspace")
 
 
@@ -780,7 +790,7 @@ class Network(Fixed):
         return f"<Network of {len(self.roads)} roads and {len(self.intersections)} intersections>"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled as the file that it is read from."""
+        """Pickle the network as the file from which it is read."""
         return self.again, (self.source,)
 
     @property
@@ -805,7 +815,7 @@ class Network(Fixed):
 
     @cached_property
     def intersectionRegion(self) -> Region:
-        """All intersections."""
+        """The region of all intersections."""
         return region_along(self.intersections, "intersectionRegion", self.roadDirection, self)
 
     @cached_property
@@ -820,7 +830,7 @@ class Network(Fixed):
 
     @cached_property
     def shoulderRegion(self) -> Region:
-        """All shoulders."""
+        """The region of all shoulders."""
         return region_along(self.shoulders, "shoulderRegion", self.roadDirection, self)
 
     @cached_property
@@ -889,7 +899,9 @@ class Network(Fixed):
         return {}
 
     def near(self, among: tuple[Element, ...], v: Vector) -> tuple[Element, ...]:
-        """Those of some elements that may be within `tolerance` of a point, in their order: what comes near its cell of a grid, looked up once."""
+        """Return those of some elements that may be within `tolerance` of a point, in their order; the
+        elements near each cell of a grid are looked up once.
+        """
         if not (math.isfinite(v.x) and math.isfinite(v.y)):
             return ()
         column, row = math.floor(v.x / CELL), math.floor(v.y / CELL)

@@ -141,7 +141,7 @@ class NetworkReader:
         return network
 
     def value(self, value: Any) -> object:
-        """What `NetworkWriter.value` was given."""
+        """Return the value that `NetworkWriter.value` was given."""
         if isinstance(value, list):
             return self.objects[value[0]]
         if not isinstance(value, dict):

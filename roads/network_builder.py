@@ -66,7 +66,7 @@ class TravelledLane:
 
     @property
     def center(self) -> Points:
-        """Its middle."""
+        """The middle of the lane."""
         return (self.left + self.right) / 2
 
 
@@ -85,7 +85,7 @@ class Assembly:
 
     @property
     def notes(self) -> Notes:
-        """What was noticed."""
+        """The oddities noted in the file."""
         return self.file.notes
 
     def of(self, kind: type[E]) -> tuple[E, ...]:
@@ -402,7 +402,7 @@ def beyond(net: Assembly, road: RoadRecord, i: int, end: Contact) -> Collection[
 
 
 def link_lanes(net: Assembly) -> None:
-    """Where a lane leads into another without an intersection: successors, and the maneuver straight on."""
+    """Link lanes that lead into each other without an intersection: successors, and the maneuver ahead."""
     for chain in net.chains.values():
         last, lane = chain[-1], chain[-1].lane
         for place in net.next_places(last):
@@ -492,7 +492,7 @@ def ways(net: Assembly, junction: JunctionRecord, connection: ConnectionRecord) 
 
 
 def link_roads(net: Assembly, intersections: Sequence[Intersection]) -> None:
-    """What roads lead to: other roads, or intersections."""
+    """Link roads to the roads or intersections at their ends."""
     of_junction = {i.id: i for i in intersections}
     for road in net.roads.values():
         record = net.file.roads[str(road.id)]

@@ -1,4 +1,4 @@
-"""What is strange in a map and does not keep it from being read."""
+"""The records of an OpenDRIVE map (roads, lanes, signals, junctions), read from its file and checked."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ HEIGHTS = "roads with heights or superelevation, which the plane does not have"
 
 @dataclass
 class Notes:
-    """What is strange in a map and does not keep it from being read: how often, and where first."""
+    """Oddities in a map that do not keep it from being read: how often each occurs, and where first."""
 
     found: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
 
     def add(self, what: str, where: str) -> None:
-        """One more."""
+        """Note one more oddity."""
         self.found.setdefault(what, []).append(where)
 
     def lines(self) -> list[str]:
-        """A line each."""
+        """Return one line for each oddity."""
         return [f"{what}: {_join_places(where)}" for what, where in self.found.items()]
 
 
@@ -37,7 +37,7 @@ def _join_places(where: Sequence[str]) -> str:
 
 
 def note_lane(side: str, element: Element, lane: LaneRecord, where: str, notes: Notes) -> None:
-    """What is strange about a lane of a section."""
+    """Note the oddities of a lane in a section."""
     if lane.id * (1 if side == "left" else -1) < 0:
         notes.add("lanes on the other side than their number says", where)
     if lane.id != 0 and not lane.widths.pieces and not lane.borders.pieces:
@@ -74,7 +74,7 @@ class Profile:
     pieces: tuple[Cubic, ...]
 
     def at(self, s: Numbers) -> Numbers:
-        """Its values."""
+        """Return the values at some distances along the line."""
         found = np.zeros_like(s)
         if not self.pieces:
             return found
@@ -100,7 +100,7 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class RoadLink:
-    """What a road, or a lane, leads to."""
+    """The road or lane to which a road or lane leads."""
 
     kind: Literal["road", "junction"]
     id: str
@@ -178,7 +178,7 @@ class RoadRecord:
     speed: float | None
 
     def link_at(self, contact: Contact) -> RoadLink | None:
-        """What it leads to at one of its ends."""
+        """Return the link at one of the road's ends."""
         return self.predecessor if contact == "start" else self.successor
 
     def section_at(self, contact: Contact) -> int:
@@ -248,7 +248,7 @@ def parse_opendrive(data: bytes) -> OpenDrive:
 
 
 def road(element: Element, notes: Notes) -> RoadRecord:
-    """A road."""
+    """Read the record of a road. Raises `MapError`."""
     id, length = element.text("id"), element.number("length")
     if not 0 < length <= LONGEST:
         raise MapError(f"line {element.line}: its length must be between 0 and {LONGEST:g} m, not {length:g}")
@@ -386,7 +386,7 @@ def lane(element: Element, start: float) -> LaneRecord:
 
 
 def signal(element: Element) -> SignalRecord:
-    """A signal."""
+    """Read the record of a signal."""
     return SignalRecord(
         element.text("id", ""), element.number("s"), element.number("t", 0.0), element.text("orientation", "none"), element.text("type", ""),
         element.text("country", ""), element.text("dynamic", "no") == "yes", valid(element),
@@ -417,7 +417,7 @@ def crosswalk(element: Element, notes: Notes) -> Iterator[CrosswalkRecord]:
 
 
 def junction(element: Element) -> JunctionRecord:
-    """A junction."""
+    """Read the record of a junction."""
     connections = tuple(
         ConnectionRecord(
             found.text("incomingRoad"), found.text("connectingRoad"), contact(found),

@@ -24,7 +24,7 @@ Local = Callable[[Sequence[float], float, Numbers], tuple[Numbers, Numbers, Numb
 
 
 def line(parameters: Sequence[float], length: float, t: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    """A straight line."""
+    """Return the points and directions of a straight line."""
     return t, np.zeros_like(t), np.zeros_like(t)
 
 
@@ -94,7 +94,9 @@ def along(pieces: Sequence[Piece], s: Numbers) -> tuple[Numbers, Numbers, Number
 
 
 def breaks(pieces: Sequence[Piece], least: float) -> Iterator[tuple[float, float]]:
-    """Where a piece does not begin at the end of the one before it: the distance along the line, and the metres between them."""
+    """Yield the breaks at which a piece does not begin at the end of the one before it: the distance along
+    the line, and the metres between them.
+    """
     for one, following in pairwise(pieces):
         (x, y, _), (u, v, _) = (points(piece, np.array([at])) for piece, at in ((one, one.length), (following, 0.0)))
         gap = math.hypot(float(u[0] - x[0]), float(v[0] - y[0]))

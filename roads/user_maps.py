@@ -47,7 +47,7 @@ class MapFeature:
 
     @property
     def kind(self) -> str:
-        """What it consists of: areas, lines or points. Raises `MapError` if of several."""
+        """The kind of the feature: areas, lines or points. Raises `MapError` if it has several."""
         return kind_of(self.parts, self.place)
 
     @property
@@ -80,7 +80,7 @@ class SiteMap:
     doubt: Doubt | None = None
 
     def __reduce__(self) -> tuple[object, ...]:
-        """It is pickled without the regions that were made of it."""
+        """Pickle the map without the regions that were made of it."""
         return SiteMap, (self.features, self.notes, self.doubt)
 
     def names(self) -> dict[str, list[MapFeature]]:
@@ -97,7 +97,8 @@ class SiteMap:
 
     @cached_property
     def namespace(self) -> Mapping[str, object]:
-        """What a program gets: `regions` and `properties` by name, `area`, the union of all areas, and `directions`, if an area has one.
+        """The names that a program gets: `regions` and `properties` by name, `area`, the union of all areas,
+        and `directions`, if an area has one.
 
         Also the map itself, for pictures.
 
@@ -116,7 +117,9 @@ class SiteMap:
         return found if field is None else {**found, "directions": field}
 
     def summary(self) -> dict[str, object]:
-        """What is on the map, as `scenic-ref map --json` prints it: in metres, square metres, numbers of points, and degrees to the left of North."""
+        """Return the contents of the map, as `scenic-ref map --json` prints them: in metres, square metres,
+        numbers of points, and degrees to the left of North.
+        """
         west, south, east, north = shapely.total_bounds([feature.shape for feature in self.features])
         return {
             "features": [
@@ -145,7 +148,9 @@ def simple_parts(shape: BaseGeometry) -> list[BaseGeometry]:
 
 
 def kind_of(parts: Iterable[BaseGeometry], place: str) -> str:
-    """What the parts are: areas, lines or points. Raises `MapError` if there are several kinds, or none."""
+    """Return the kind of the parts: areas, lines or points. Raises `MapError` if there are several kinds, or
+    none.
+    """
     kinds = list(dict.fromkeys(KINDS[type(part)] for part in parts))
     if not kinds:
         raise MapError(f"{place} has no shape")

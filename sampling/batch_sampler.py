@@ -52,9 +52,10 @@ class Portion(NamedTuple):
 
 
 class PortionJob(NamedTuple):
-    """What to draw, in which form; scenes before `looked` are looked at for soft requirements.
+    """A job and the form of its result; scenes before number `looked` are examined for soft requirements.
 
-    About `ahead` more scenes will be asked for of each process. Lines are laid into the file `place`, if there is one.
+    About `ahead` more scenes will be asked for of each process. Lines are laid into the file `place`, if
+    there is one.
     """
 
     job: Job

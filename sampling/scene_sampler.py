@@ -60,7 +60,7 @@ class Softness(NamedTuple):
     known: int
 
     def plus(self, other: Softness) -> Softness:
-        """Both together."""
+        """Return the sum of both counts."""
         return self._replace(held=self.held + other.held, known=self.known + other.known)
 
 
@@ -84,14 +84,14 @@ class Drawing:
 
     @cached_property
     def lines(self) -> Lines:
-        """What makes the lines of scenes that are drawn many at a time, of a program that is known to have a graph."""
+        """The writer of JSON lines for scenes drawn many at a time; the program must have a graph."""
         from ..inference.batch.jobs.scene_lines import Lines
 
         return Lines(self.batch.template)
 
     @cached_property
     def tables(self) -> Tables:
-        """What makes the tables of these scenes, in the same way."""
+        """The writer of tables for scenes drawn many at a time; the program must have a graph."""
         from ..inference.batch.jobs.block_tables import Tables
 
         return Tables(self.batch.template)
@@ -265,7 +265,7 @@ def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> 
 
 
 def done_by(workers: AbstractContextManager[Workers], work: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob]) -> Generator[Found]:
-    """What jobs give, in their order, whichever process does them."""
+    """Yield the results of the jobs in the order of the jobs, whichever process does them."""
     with workers as several:
         for found in several.draw(work, jobs):
             yield from found

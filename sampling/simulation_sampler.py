@@ -80,7 +80,7 @@ class ReportedRun:
     run: SampledRun | None
 
     def __reduce__(self) -> tuple[Callable[..., ReportedRun], tuple[object, ...]]:
-        """For another process."""
+        """Reduce the run for pickling, without what another process cannot use."""
         return ReportedRun, (self.index, self.attempts, self.line, self.told, self.stuck, self.printed, self.land, self.left, None)
 
 

@@ -1,1 +1,3 @@
-"""What the language means. Pure: no random source, no input or output, no clock, no mutable module state."""
+"""The semantics of the language. Pure: no random source, no input or output, no clock, no mutable module
+state.
+"""

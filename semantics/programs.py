@@ -33,7 +33,7 @@ def make_settings(
     *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN, elsewhere: Mapping[str, tuple[str, ...]] | None = None,
     defined: Mapping[str, Span] | None = None, dialect: str = "paper",
 ) -> Settings:  # fmt: skip
-    """What stays the same in every run of a program; its door is of no run (see `initial`)."""
+    """Return the constants of every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
         given=given, elsewhere=elsewhere or {}, defined=defined or {}, dialect=dialect,
@@ -41,7 +41,7 @@ def make_settings(
 
 
 def definitions(program: Program) -> dict[str, Span]:
-    """Where a program first binds each name at its top level."""
+    """Return the places at which a program first binds each name at its top level."""
     found: dict[str, Span] = {}
     for statement in program.statements:
         match statement:

@@ -76,7 +76,7 @@ class Rule:
 
     @property
     def code(self) -> str:
-        """Where the function stands."""
+        """The module and name of the function."""
         return f"{self.function.__module__.removeprefix('scenic_ref.')}.{self.function.__name__}"
 
     @property

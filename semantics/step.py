@@ -263,7 +263,9 @@ UNWIND: Mapping[type, Unwinding] = {
 
 
 def step(config: Config) -> Outcome:
-    """What the machine says next about `config`: always the same, whatever was stepped before (`versions`)."""
+    """Return the machine's next outcome for `config`: always the same, whatever was stepped before
+    (`versions`).
+    """
     control_, stack, state = config
     version = state.version
     if version.undo:
@@ -291,7 +293,9 @@ def step(config: Config) -> Outcome:
 
 
 def apply_given_draws(outcome: Outcome, before: State) -> Outcome:
-    """What a rule says, applied in the state `before` that stands in memory: in the version of what stands there now, a draw with what is given."""
+    """Return the outcome of a rule that was applied in the state `before`, which stands in memory: in the
+    version of what stands there now, a draw with what is given.
+    """
     version = before.version
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
@@ -301,7 +305,7 @@ def apply_given_draws(outcome: Outcome, before: State) -> Outcome:
 
 
 def outcome_of_problem(problem: Exception, config: Config) -> Outcome:
-    """What the machine says where a rule cannot go on. Raises what is no matter of the program."""
+    """Return the machine's outcome where a rule cannot go on. Raises what is no matter of the program."""
     match problem:
         case HostException(exception=ShapelyError() as found) | (ShapelyError() as found) if is_out_of_memory(found):
             return Fault(short_of_memory(place(config)))
@@ -347,7 +351,9 @@ def has_handler(stack: Stack) -> bool:
 
 
 def frame_value(result: object, frame: object) -> object:
-    """What a frame gets where control flow may depend on what is drawn: a plain value, unless it only passes it on (`premises.CARRIERS`)."""
+    """Return the value for a frame where control flow may depend on what is drawn: a plain value, unless the
+    frame only passes it on (`premises.CARRIERS`).
+    """
     if type(result) is not Random:
         return result
     match frame:
@@ -395,7 +401,7 @@ def exception_text(exception: BaseException) -> str:
 
 
 def notes(exception: BaseException) -> Sequence[str]:
-    """What was noted on an exception that nothing caught, or is known of its text: a suggested repair."""
+    """Return the repairs noted on an exception that nothing caught, or known from its text."""
     noted = getattr(exception, "__notes__", ())
     if not noted and type(exception) is TypeError and TEXT_AND_NUMBER.match(str(exception)):
         return ["write str(x) for a number x as a text, or f'...{x}...'"]
@@ -408,7 +414,9 @@ TEXT_AND_NUMBER = re.compile(
 
 
 def place(config: Config, exception: Exception | None = None) -> Span:
-    """Where in the source the control stands: its node, or the innermost frame that has one; the name of an attribute that is not there."""
+    """Return the place of the control in the source: its node, or the innermost frame that has one; the name
+    of an attribute that is not there.
+    """
     node, stack, _ = config
     while not (isinstance(node, Node) and node.span.line) and stack:
         frame, stack = stack

@@ -20,13 +20,13 @@ LONGEST = 40
 
 
 class Wanted(NamedTuple):
-    """What an argument must be, in words that follow "must be", and whether a value is that."""
+    """The requirement on an argument: the words that follow "must be", and a test of values."""
 
     words: str
     admits: Callable[[object], bool]
 
     def or_none(self) -> Wanted:
-        """The same where None may be given as well."""
+        """Return the requirement that admits None as well."""
         return Wanted(f"{self.words}, or None", lambda value: value is None or self.admits(value))
 
 
@@ -138,7 +138,7 @@ class DrivingAction(Action):
     """An action of a vehicle."""
 
     def reason_against(self, body: Body | Described) -> str | None:
-        """Only vehicles drive."""
+        """Return a reason unless the agent is a vehicle: only vehicles drive."""
         return None if drives(body) else only("vehicles", VEHICLES, body)
 
 
@@ -191,7 +191,9 @@ STEERED = 0.1
 
 @dataclass(frozen=True, slots=True)
 class RegulatedControlAction(DrivingAction):
-    """What controllers ask for, within limits: throttle, or brake if `throttle` is negative, and steering that does not jump from `past_steer`."""
+    """An action of controllers, within limits: throttle, or brake if `throttle` is negative, and steering
+    that does not jump from `past_steer`.
+    """
 
     wanted: ClassVar[Mapping[str, Wanted]] = {
         **dict.fromkeys(("throttle", "steer", "past_steer"), NUMBER), **dict.fromkeys(("max_throttle", "max_brake", "max_steer"), SHARE)
@@ -276,7 +278,7 @@ class WalkingAction(Action):
     """An action of a pedestrian."""
 
     def reason_against(self, body: Body | Described) -> str | None:
-        """Only pedestrians walk."""
+        """Return a reason unless the agent is a pedestrian: only pedestrians walk."""
         return None if walks(body) else only("pedestrians", PEDESTRIANS, body)
 
 

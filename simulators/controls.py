@@ -1,4 +1,6 @@
-"""What the simulators with vehicles and pedestrians share: how controls are set, how objects begin, what is refused."""
+"""The parts that simulators with vehicles and pedestrians share: setting controls, initial velocities,
+reasons to refuse.
+"""
 
 from __future__ import annotations
 

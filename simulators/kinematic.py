@@ -82,7 +82,7 @@ class Kinematic:
         return ()
 
     def read(self, id: int) -> Pose:
-        """Where the object is, and how it moves."""
+        """Return the position and motion of the object."""
         return pose_of(self.bodies[id])
 
     def controls(self, id: int) -> Pose:
@@ -90,7 +90,7 @@ class Kinematic:
         return self.bodies[id].controls.shown
 
     def destroy(self) -> None:
-        """Forget the objects."""
+        """Forget the objects of this simulation."""
         self.bodies = []
 
 
@@ -108,7 +108,7 @@ def moving_of(body: Body, kind: type[Kind]) -> Kind:
 
 
 def pose_of(body: Moving) -> Pose:
-    """Where an object is, and how it moves."""
+    """Return the position and motion of a body."""
     return {
         "position": Vector(body.x, body.y), "heading": body.heading, "speed": body.speed, "velocity": Vector(body.vx, body.vy),
         "angularSpeed": body.turning,

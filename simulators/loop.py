@@ -70,7 +70,7 @@ def rejected_by_simulator(problem: RejectRun, step: int) -> Failed:
 
 
 class Policy(Protocol):
-    """What chooses the actions of a simulation's time steps: the machine, or compiled code that gives the same."""
+    """The chooser of actions in each time step: the machine, or compiled code that gives the same."""
 
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
         """The actions of a time step, or its end; `limit` is the reason to end in it if there is no other."""
@@ -81,7 +81,9 @@ class Policy(Protocol):
         ...
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
-        """Where an object has taken its actions of this time step, and a hint if a library module did it for the program."""
+        """Return where an object has taken its actions of this time step, and a hint if a library module did
+        it for the program.
+        """
         ...
 
 
@@ -90,7 +92,7 @@ PolicyMaker = Callable[[State, Witness], Policy]
 
 
 class MachinePolicy:
-    """The machine's policy."""
+    """The policy that the machine computes."""
 
     def __init__(self, choose: Chooser, fuel: int, state: State, witness: Witness) -> None:
         self.choose, self.fuel, self.witness = choose, fuel, witness
@@ -106,7 +108,7 @@ class MachinePolicy:
         return {n: text for n, agent in simulation_of(state).agents.items() if (text := describe_behaviors(agent))}
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
-        """Where the behavior waits, if it does so in a statement; else where the object was made."""
+        """Return where the behavior waits, if it does so in a statement; else where the object was made."""
         process = simulation_of(state).agents[instance.number].process
         if process is None or not process.span.line:
             return instance.span, ""
@@ -252,7 +254,7 @@ def create(simulator: Simulator, bodies: list[Body], state: State, chance: int) 
 
 
 def surroundings(simulator: Simulator, state: State, chance: int) -> Surroundings:
-    """What a simulator is told beside the objects."""
+    """Return the information for a simulator besides the objects."""
     ego = ego_of(state, simulated=True)
     number = None if ego is None else next(k for k, instance in enumerate(state.scene) if instance.number == ego.number)
     module = state.settings.library.get(MAP)

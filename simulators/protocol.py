@@ -1,4 +1,6 @@
-"""What a simulator is: its methods, and how they are called, so that whatever it gets wrong is an error that says so."""
+"""The protocol of simulators: their methods, and calls to them in which any mistake of theirs is an error
+that says so.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,14 @@ PROPERTIES_READ = frozenset({"drives", "walks", "color", SHOWN})
 
 
 class Surroundings(NamedTuple):
-    """What a simulator is told of a scene beside its objects; nothing of it that can be changed is shared with the program or with other runs.
+    """The information for a simulator about a scene, besides its objects; nothing in it that can be changed
+    is shared with the program or with other runs.
 
-    `params` are copies of the global parameters now, as plain data: what is none is its text. `ego` is the number of the ego, None if there is
-    none (yet). `seed`, from 0 to 2^31 - 1, is a function of the seed, of the number of the simulation and of the attempt: whatever a simulator
-    draws is to follow from it. `timestep` is the simulator's own, in seconds. `network` is the map of a program that uses one, `workspace` its
-    workspace (the whole plane, if it has none).
+    `params` are copies of the global parameters now, as plain data: what is none is its text. `ego` is the
+    number of the ego, None if there is none (yet). `seed`, from 0 to 2^31 - 1, is a function of the seed, of
+    the number of the simulation and of the attempt: whatever a simulator draws is to follow from it.
+    `timestep` is the simulator's own, in seconds. `network` is the map of a program that uses one,
+    `workspace` its workspace (the whole plane, if it has none).
     """
 
     params: Mapping[str, object] = MappingProxyType({})
@@ -70,10 +74,11 @@ def checked_reason(reason: object) -> str:
 
 
 class Simulator(Protocol):
-    """What moves the objects; one is used for one simulation after the other.
+    """The mover of objects; one simulator is used for one simulation after the other.
 
-    `timestep` is in seconds; `properties` are the names of those that `read` gives; `random` says whether anything follows from the seed that
-    `create` is given. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
+    `timestep` is in seconds; `properties` are the names of those that `read` gives; `random` says whether
+    anything follows from the seed that `create` is given. Whatever it raises ends the simulation with an
+    error, but for `RejectRun` and `EndRun`.
     """
 
     timestep: float
@@ -157,9 +162,11 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
 
 
 def read_poses(simulator: Simulator, objects: Iterable[tuple[int, object, Span]]) -> list[Pose]:
-    """What the simulator says now of objects, each given by its number, what an error calls it and its place.
+    """Read the simulator's current values of objects, each given by its number, its name in errors and its
+    place.
 
-    Each is checked and copied before the next is read, since a simulator may give the same mapping again. Raises `SimulatorError`, `RejectRun`.
+    Each is checked and copied before the next is read, since a simulator may give the same mapping again.
+    Raises `SimulatorError`, `RejectRun`.
     """
 
     def read() -> list[Pose]:
@@ -183,7 +190,7 @@ def updated_properties(properties: Mapping[str, object], simulator: Simulator) -
 
 
 def checked_pose(pose: Pose, simulator: Simulator, who: object, span: Span) -> Pose:
-    """What the simulator says of an object, which is `who`.
+    """Check the simulator's values of an object, whose name in errors is `who`.
 
     Raises `SimulatorError` for other properties than it declares, and values that they cannot have.
     """
@@ -207,7 +214,9 @@ def could_be(name: str, value: object) -> bool:
 
 
 def call_simulator(operation: Callable[..., Given], *arguments: object, may: tuple[type[Exception], ...] = ()) -> Given:
-    """What the simulator answers; whatever it raises is a `SimulatorError`, except what it `may` raise."""
+    """Return the simulator's answer; whatever it raises becomes a `SimulatorError`, except what it `may`
+    raise.
+    """
     try:
         return operation(*arguments)
     except (ScenicError, *may):

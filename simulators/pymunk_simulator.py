@@ -55,7 +55,7 @@ LONGEST = 60.0
 
 
 class Motion(NamedTuple):
-    """Where a body is, its angle, its velocity and its yaw rate, in metres, radians and seconds."""
+    """The motion of a body: its position, angle, velocity and yaw rate, in metres, radians and seconds."""
 
     x: float
     y: float
@@ -178,7 +178,7 @@ class Physics:
         return [f"collision of objects {one} and {other}" for one, other in dict.fromkeys(self.met)]
 
     def numbers(self, fields: Any) -> array[float]:
-        """What these fields of all bodies say, one body after the other."""
+        """Return the numbers in these fields of all bodies, one body after the other."""
         self.gotten.clear()
         self.batch.get_space_bodies(self.space, fields, self.gotten)
         return array("d", bytes(self.gotten.float_buf()))
@@ -236,7 +236,7 @@ class Physics:
         moving.walking = velocity if moving.pedestrian else None
 
     def read(self, id: int) -> Pose:
-        """Where the object is, and how it moves."""
+        """Return the position and motion of the object."""
         now = self.motions[id]
         return {
             "position": Vector(now.x, now.y), "heading": now.angle, "speed": self.moving[id].speed(now),

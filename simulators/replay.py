@@ -161,7 +161,7 @@ def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:
 
 
 def difference_of(recording: Recording, simulation: Simulated) -> Difference | None:
-    """Where a replay differs from its recording, as far as it goes; None if it does nowhere.
+    """Return where a replay differs from its recording, as far as it goes; None if it does nowhere.
 
     What is not recorded in a time step is as it was at first.
     """

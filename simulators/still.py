@@ -25,11 +25,11 @@ class Still:
         return None
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
-        """Nothing happens."""
+        """Let a time step pass without any change."""
         return ()
 
     def read(self, id: int) -> Pose:
-        """Nothing has changed."""
+        """Return no properties, since none has changed."""
         return {}
 
     def destroy(self) -> None:

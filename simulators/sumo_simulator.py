@@ -224,7 +224,7 @@ class Traffic:
         self.world.vehicle.moveToXY(body.name, "", -1, body.x + ahead[0], body.y + ahead[1], angle, 2)
 
     def look(self, body: OnRoad) -> None:
-        """Where SUMO has driven an object to."""
+        """Read where SUMO has driven an object."""
         vehicle = self.world.vehicle
         x, y = vehicle.getPosition(body.name)
         before = body.heading
@@ -252,12 +252,14 @@ class Traffic:
         self.met = now
 
     def read(self, id: int) -> Pose:
-        """Where the object is, and how it moves."""
+        """Return the position and motion of the object."""
         return pose_of(self.bodies[id])
 
 
 def ends_with_us() -> Callable[[], object] | None:
-    """What a new process is to do first, so that it ends when this one is killed: on Linux only, elsewhere it would wait for a first connection."""
+    """Return what a new process does first, so that it ends when this one is killed: on Linux only, elsewhere
+    it would wait for a first connection.
+    """
     if sys.platform != "linux":
         return None
     library = ctypes.CDLL(None)

@@ -64,7 +64,7 @@ class KeptScenes:
                 path.unlink(missing_ok=True)
 
     def path(self, test: str, number: SceneNumber) -> Path | None:
-        """Where a scene is kept, or would be; None without a cache."""
+        """Return the path at which a scene is kept, whether or not it exists; None without a cache."""
         return None if self.cache is None else Path(str(self.cache._cachedir), "d", FOLDER, failure_file_name(test, number))
 
 

@@ -63,7 +63,9 @@ class NamedProgram(NamedTuple):
 
 
 class Marked(NamedTuple):
-    """What the markers of a test say: the program, which scenes, and after how many attempts to give up on one."""
+    """The settings from a test's markers: the program, the scenes, and the number of attempts after which to
+    give up on one.
+    """
 
     program: NamedProgram
     scenes: int
@@ -109,7 +111,9 @@ def kept_scenes(config: pytest.Config) -> KeptScenes:
 
 
 def marker_settings(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
-    """What the markers of a test, its class and its module say together, the nearest first; None without one. Raises `pytest.UsageError`."""
+    """Return the settings from the markers of a test, its class and its module, the nearest taking
+    precedence; None without a marker. Raises `pytest.UsageError`.
+    """
     markers = list(node.iter_markers("scenic"))
     if not markers:
         return None
@@ -160,7 +164,9 @@ def named_program(program: object, folder: Path, options: Mapping[str, object]) 
 
 
 def checked_marker_settings(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
-    """What the markers say, where there is such a file. Raises `pytest.UsageError`."""
+    """Return the settings from the markers, after checking that the program's file exists. Raises
+    `pytest.UsageError`.
+    """
     found = marker_settings(node, config, path)
     if found is not None and found.program.file is not None and not found.program.file.is_file():
         from ..semantics.store.suggestions import nearest
@@ -328,7 +334,7 @@ def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) 
 
 
 def record_of(program: NamedProgram, drawn: Scene | None) -> dict[str, object]:
-    """What is kept of a scene besides its number."""
+    """Return the data kept of a scene besides its number."""
     return {
         "program": None if program.file is None else str(program.file), "text": program.text or None,
         "options": {name: json_or_repr(value) for name, value in program.options.items()},

@@ -1,4 +1,4 @@
-"""What any simulator must do, checked call by call: for the tests of those who connect their own.
+"""The contract of simulators, checked call by call: for the tests of those who connect their own.
 
     from scenic_ref.testing import check_simulator
 
@@ -105,7 +105,7 @@ def scene_for(simulator: Simulator, program: str) -> Checked:
 
 
 def bodies_json(bodies: Sequence[Body]) -> list[dict[str, object]]:
-    """What the objects are now, as JSON."""
+    """Return the current properties of the bodies as JSON."""
     return [{name: json_value(value) for name, value in body.properties.items()} for body in bodies]
 
 

@@ -71,7 +71,7 @@ def differences(program: AskedProgram, other: External, settings: DiffSettings) 
 
 
 def parts(scenario: Scenario, other: External) -> dict[str, Callable[[AskedProgram, Scenario, External, DiffSettings], ProgramVerdict]]:
-    """What is compared besides the distribution of scenes, by the capability that it needs."""
+    """Return the comparisons besides that of the scenes' distribution, by the capability each needs."""
     other.introduced()
     wanted = {"attempts": in_acceptance, **({"simulations": in_simulations} if is_dynamic(scenario) else {})}
     return {name: part for name, part in wanted.items() if name in other.said["capabilities"]}
@@ -95,7 +95,7 @@ def in_scenes(program: AskedProgram, scenario: Scenario | ProgramError, other: E
 
 
 class ScenesThere:
-    """What the other implementation answers: its error, or the scenes that it has given so far."""
+    """The answers of the other implementation: its error, or the scenes that it has given so far."""
 
     def __init__(self, task: Task, other: External, settings: DiffSettings) -> None:
         self.task, self.other, self.settings = task, other, settings
@@ -145,7 +145,7 @@ def rename_view_distance(scenes: Sequence[SceneRecord], scenario: Scenario) -> S
 
 
 def compare_scenes(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
-    """What the other implementation answered beside the program here."""
+    """Compare the other implementation's answers with the program here."""
     refused = drawing.refused
     if isinstance(scenario, ProgramError):
         return of_errors(name, scenario, refused)
@@ -209,5 +209,5 @@ class AttemptsOf:
         self.scenario = scenario
 
     def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[SceneRecord]:
-        """Those of scenes `start` to `start + n - 1`."""
+        """Return the attempts of scenes `start` to `start + n - 1`."""
         return ({"attempts": scene.attempts} for scene in self.scenario.sample_many(n, seed, start=start))

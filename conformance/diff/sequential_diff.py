@@ -1,4 +1,6 @@
-"""What comparing a program here with another implementation comes to: verdicts, looks at more and more answers, readings that explain them."""
+"""The comparison of a program here with another implementation: verdicts, further looks at more and more
+answers, and readings that explain differences.
+"""
 
 from __future__ import annotations
 

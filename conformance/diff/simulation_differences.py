@@ -129,7 +129,9 @@ class Replayed:
 def of_simulations(
     name: str, replayed: Replayed, theirs: Sequence[SimulationRecord], missed: int, refused: Refused | None, alpha: float
 ) -> ProgramVerdict:
-    """What the other implementation's simulations, of which so many were `missed`, are beside those of the program here."""
+    """Compare the other implementation's simulations, of which so many were `missed`, with those of the
+    program here.
+    """
     steps, detect_tv = replayed.settings.steps, replayed.settings.detect_tv
     try:
         ours = replayed.first(max(len(theirs), FIRST_LOOK))

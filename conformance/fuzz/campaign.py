@@ -46,7 +46,7 @@ class Journal:
         self.examined += lines
 
     def add(self, found: FuzzedProgram) -> None:
-        """One program more."""
+        """Add one more examined program, and write it."""
         self.examined.append(found)
         self.write(asdict(found), "a")
 

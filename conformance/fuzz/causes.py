@@ -19,7 +19,7 @@ ENDED = ("crashed", "timed out", "garbled")
 
 @dataclass(slots=True)
 class Cause:
-    """What several findings are about: the smallest program of them, and the numbers of all."""
+    """The common cause of several findings: the smallest program of them, and the numbers of all."""
 
     smallest: FuzzedProgram
     numbers: list[int]

@@ -75,11 +75,12 @@ class CampaignSettings:
 
 @dataclass(frozen=True, slots=True)
 class FuzzedProgram:
-    """What became of a program. Of a finding, `minimal` is the smallest program that shows it, and `rules` are those it is about.
+    """The result of examining a program. Of a finding, `minimal` is the smallest program that shows it, and
+    `rules` are those it is about.
 
-    `words` name the difference without its numbers. `confirmed` says that it was made small, perhaps to no program at all, and that fresh scenes of
-    the smallest program show it again.
-    `here` and `there` are the boxes of some scenes of each side, if the difference is one that can be seen.
+    `words` name the difference without its numbers. `confirmed` says that it was made small, perhaps to no
+    program at all, and that fresh scenes of the smallest program show it again. `here` and `there` are the
+    boxes of some scenes of each side, if the difference is one that can be seen.
     """
 
     number: int

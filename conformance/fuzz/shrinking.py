@@ -64,7 +64,9 @@ def replace_statements(program: Program, statements: object) -> Program:
 
 
 def shrink_order(text: str) -> tuple[int, int, str]:
-    """What is to become smaller: words and signs, then characters; of two that are alike, the first in the order of the alphabet."""
+    """Return the measure to shrink: words and signs, then characters; of two that are alike, the first in the
+    order of the alphabet.
+    """
     return len(text.split()), len(text), text
 
 

@@ -48,11 +48,11 @@ class AimedWriter:
         return f"{round(float(self.random.uniform(low, high)), 1)}"
 
     def flag(self) -> str:
-        """A truth value."""
+        """Return the source of a truth value."""
         return self.pick("True", "False", "Uniform(True, False)", "Discrete({True: 3, False: 1})")
 
     def place(self, reach: float = 10) -> str:
-        """A vector."""
+        """Return the source of a vector."""
         return f"({self.number(-reach, reach)}, {self.number(-reach, reach)})"
 
     def angle(self) -> str:
@@ -60,7 +60,7 @@ class AimedWriter:
         return f"({self.number(-200, 200)}) deg"
 
     def region(self) -> str:
-        """A region."""
+        """Return the source of a region."""
         c = f"({self.constant(-5, 5)}, {self.constant(-5, 5)})"
         return self.pick(
             f"CircularRegion({c}, {self.constant(3, 8)})",
@@ -83,7 +83,7 @@ class AimedWriter:
         return self.pick("F", "G")
 
     def fields(self) -> list[str]:
-        """Their definitions."""
+        """Return the definitions of the vector fields F and G."""
         return ["F = VectorField('F', lambda p: 30 deg)", "G = VectorField('G', lambda p: p.x * 10 deg)"]
 
     def properties(self, count: int) -> list[str]:
@@ -112,7 +112,9 @@ class AimedWriter:
         return lines
 
     def pruning(self) -> list[str]:
-        """What the paper's pruning looks for: containment, orientation, distance."""
+        """Return a program with the structures that the paper's pruning looks for: containment, orientation,
+        distance.
+        """
         roads = f"PolygonalRegion([(-9, -3), (9, -3), (9, 3), (-9, 3)], orientation={self.field()})"
         region = self.pick("road", self.region())
         lines = [*self.fields(), f"road = {roads}"]
@@ -299,7 +301,7 @@ class AimedWriter:
 
     @property
     def themes(self) -> Sequence[Callable[[], list[str]]]:
-        """What a program can be about."""
+        """The methods that write a program of each theme."""
         return (
             self.visibility, self.pruning, self.tails, self.mutation, self.defaults, self.specifiers, self.specifiers, self.regions,
             self.functions, self.operators, self.operators, self.soft, self.drawn, self.dynamics,
@@ -323,7 +325,7 @@ def aimed_program(seed: int, number: int) -> str:
 
 
 def in_turn(seed: int, number: int, count: int) -> int:
-    """What comes at a place when `count` things take turns, in another order each time."""
+    """Return which of `count` things comes at a place when they take turns, in another order each time."""
     turn, place = divmod(number, count)
     return int(np.random.default_rng([fold(seed), mix(turn), count]).permutation(count)[place])
 

@@ -1,4 +1,6 @@
-"""What became of the findings of a campaign: each with its class, which somebody decides who has read the paper's passage."""
+"""The judged findings of campaigns: each with its class, which somebody decides who has read the paper's
+passage.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +64,9 @@ class CampaignFindings(NamedTuple):
 
 
 def shipped_findings() -> list[CampaignFindings]:
-    """Those of the campaigns against the released implementations that come with this reference."""
+    """Return the findings of the campaigns against the released implementations that come with this
+    reference.
+    """
     folder = files("scenic_ref.conformance").joinpath("campaigns")
     return [findings_in(place.read_text("utf-8"), place.name) for place in sorted(folder.iterdir(), key=lambda place: place.name)]
 
@@ -85,7 +89,7 @@ def findings_of(causes: Iterable[Cause], kept: Sequence[JudgedFinding]) -> list[
 
 
 def findings_at(path: Path) -> list[JudgedFinding]:
-    """Those of a file, none if there is no such file. Raises `UsageError` if it cannot be read."""
+    """Return the findings in a file; none if it does not exist. Raises `UsageError` if it cannot be read."""
     return findings_in(read_text(path, "the findings of a campaign"), str(path)).findings if path.exists() else []
 
 

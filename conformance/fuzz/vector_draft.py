@@ -46,7 +46,7 @@ program = '''
 
 
 def passage_of(cause: Cause) -> str:
-    """Where the paper says what the finding is about: the places of its rules."""
+    """Return the passage of the paper about the finding: the places of its rules."""
     if cause.smallest.kind in ENDED:
         return "none: no program may end the process"
     places = dict.fromkeys(RULES[id].place for id in cause.smallest.rules)

@@ -17,7 +17,7 @@ Link = Literal["==", "!=", "<", ">", "<=", ">="]
 
 
 def name(text: str) -> p.Name:
-    """A variable."""
+    """Return the node of a variable."""
     return p.Name(name=text)
 
 
@@ -92,7 +92,9 @@ def clamp_call(node: Expression, low: float, high: float) -> Expression:
 
 
 def _either(head: Expression, specifier: Specifier, operator: Expression) -> Expression:
-    """What the parser gives where a (dotted) name may be a class or an operand; otherwise the operator."""
+    """Return what the parser gives where a (dotted) name may be a class or an operand; otherwise the
+    operator.
+    """
     if not is_dotted(head):
         return operator
     definition = e.ObjectDefinition(class_=head, specifiers=(specifier,))

@@ -1,4 +1,4 @@
-"""Where the generator's choices come from: an engine that shrinks, or the numbers of a seed."""
+"""The sources of the generator's choices: an engine that shrinks, or the numbers of a seed."""
 
 from __future__ import annotations
 

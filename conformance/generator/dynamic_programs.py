@@ -72,7 +72,7 @@ class ProgramWriter:
         return lines
 
     def program(self) -> str:
-        """A whole program."""
+        """Return the text of a whole program."""
         lines = ["def now():", "    return simulation.currentTime"]
         lines += [
             "behavior Sub(n=4):", *indent_lines([self.pick("take n", "take n, self.x", "wait"), self.pick("take n + 10", "self.x = 1", "wait")])

@@ -389,7 +389,7 @@ def heading_literal(draft: Draft) -> Expression:
 
 
 def heading(draft: Draft, depth: int) -> Expression:
-    """A heading."""
+    """Generate an expression for a heading."""
     options: list[Option] = [(4, lambda: heading_literal(draft))]
     if draft.may_draw():
         options += [(2, lambda: choice(draft, [(1, lambda: heading_literal(draft))])), (2, lambda: random_angle(draft, depth))]

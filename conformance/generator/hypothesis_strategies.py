@@ -28,12 +28,12 @@ class DrawnChoices(Choices):
 
 @st.composite
 def write_from_draws(draw: st.DrawFn, write: Callable[[Choices, ProgramSettings], T], settings: ProgramSettings) -> T:
-    """What `write` makes of Hypothesis's choices."""
+    """Draw the value that `write` makes from Hypothesis's choices."""
     return write(DrawnChoices(draw), settings)
 
 
 def programs(settings: ProgramSettings = DEFAULT) -> st.SearchStrategy[Program]:
-    """Well-formed programs."""
+    """Return a strategy for well-formed programs."""
     return write_from_draws(generate, settings)
 
 

@@ -70,7 +70,9 @@ class Class:
 
 @dataclass
 class Draft:
-    """What the generator knows at one place of the program that it writes; a draft belongs to one generation."""
+    """The generator's knowledge at one place of the program that it writes; a draft belongs to one
+    generation.
+    """
 
     choices: Choices
     settings: ProgramSettings

@@ -1,4 +1,4 @@
-"""What generated programs may hold, and how large they get: every knob of the generator in one record."""
+"""Settings of the generator: what generated programs may hold, and how large they get, in one record."""
 
 from __future__ import annotations
 
@@ -95,5 +95,5 @@ class ProgramSettings:
         return tuple((field.name, value) for field in fields(self) if type(value := getattr(self, field.name)) is float and field.name != "area")
 
     def as_finite(self) -> ProgramSettings:
-        """The same knobs for finite programs."""
+        """Return these settings for finite programs."""
         return replace(self, finite=True)

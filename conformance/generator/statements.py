@@ -439,7 +439,7 @@ def vector_value(draft: Draft) -> Expression:
 
 
 def text_value(draft: Draft) -> Expression:
-    """An f-string."""
+    """Generate an f-string with a number in it."""
     layout = p.FString(parts=(".2f",)) if draft.choices.chance(0.5) else None
     return p.FString(parts=("at ", p.FormattedValue(value=expressions.scalar(draft, 0, 4, 1), format=layout), "!"))
 

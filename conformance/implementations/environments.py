@@ -40,7 +40,8 @@ RELEASES: Mapping[str, Release] = {
 
 
 def implementation(text: str, seconds: float = ANSWER_SECONDS, say: Callable[[str], None] = lambda line: None) -> External:
-    """What `--impl` names: `scenic==VERSION`, or a command that speaks the harness protocol; each answer may take so many seconds.
+    """Return the implementation that `--impl` names: `scenic==VERSION`, or a command that speaks the harness
+    protocol; each answer may take so many seconds.
 
     `say` is told what takes long.
 

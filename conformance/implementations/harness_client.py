@@ -55,7 +55,7 @@ class External:
 
     @property
     def name(self) -> str:
-        """Its name and version."""
+        """The name and version of the implementation."""
         self.introduced()
         return f"{self.said['name']} {self.said['version']}"
 
@@ -72,7 +72,7 @@ class External:
         return self.profile.get(reading) == alternative or alternative in able
 
     def introduced(self) -> None:
-        """It has said its name."""
+        """Start the implementation unless it has introduced itself."""
         if not self.said:
             self.started()
 
@@ -92,7 +92,7 @@ class External:
         return self.process
 
     def close(self) -> None:
-        """End the process."""
+        """End the implementation's process."""
         if self.process is not None:
             self.process.close()
             self.process = None
@@ -236,7 +236,7 @@ def words(answer: Answer, key: str) -> str:
 
 
 def introduction_fault(said: Answer) -> str | None:
-    """What is wrong with what it says of itself; None if nothing is."""
+    """Return the fault in an implementation's introduction; None if there is none."""
     texts = all(isinstance(said.get(key), str) for key in ("name", "version"))
     lists = all(isinstance(said.get(key), list) and all(isinstance(v, str) for v in said[key]) for key in ("dialects", "capabilities"))
     readings = said.get("readings", {})
@@ -248,7 +248,7 @@ def introduction_fault(said: Answer) -> str | None:
 
 
 def scene_fault(scene: object) -> str | None:
-    """What is wrong with a scene; None if nothing is."""
+    """Return the fault in a scene; None if there is none."""
     if not isinstance(scene, dict) or not isinstance(scene.get("objects"), list) or not isinstance(scene.get("params"), dict):
         return "has no objects or no params"
     for found in scene["objects"]:
@@ -260,7 +260,7 @@ def scene_fault(scene: object) -> str | None:
 
 
 def simulation_fault(simulation: object) -> str | None:
-    """What is wrong with a simulation; None if nothing is."""
+    """Return the fault in a simulation; None if there is none."""
     if not isinstance(simulation, dict) or not isinstance(simulation.get("steps"), list) or not isinstance(simulation.get("result"), str):
         return "has no steps or no result"
     right = all(isinstance(step, dict) and isinstance(step.get("actions"), dict) for step in simulation["steps"])

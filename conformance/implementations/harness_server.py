@@ -53,7 +53,9 @@ def answers_to(implementation: Implementation, asked: Mapping[str, Any], task: T
 
 
 def answer_start(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
-    """Its name, its dialects, what it can do, and the readings that it can be made to follow."""
+    """Answer with the implementation's name, its dialects, its capabilities, and the readings that it can be
+    made to follow.
+    """
     name, _, version = implementation.name.rpartition(" ")
     followed = {id: [a for a in reading.alternatives if implementation.follows(id, a)] for id, reading in READINGS.items()}
     counts = isinstance(implementation, CountingAttempts) and implementation.counts_attempts
@@ -71,14 +73,14 @@ def answer_compile(implementation: Implementation, asked: Mapping[str, Any], tas
 
 
 def answer_sample(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
-    """Scenes."""
+    """Answer with the scenes that were asked for."""
     for scene in implementation.scenes(require_task(task), asked["count"], seed=asked["seed"], attempts=asked["attempts"]):
         yield {"answer": "scene", "scene": scene}
     yield {"answer": "done"}
 
 
 def answer_simulate(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
-    """Simulations."""
+    """Answer with the simulations that were asked for. Raises `Unsupported`."""
     if not isinstance(implementation, Simulating):
         raise Unsupported(f"{implementation.name} does not simulate")
     recorded = {} if asked["world"] is None else {"world": asked["world"]}
@@ -92,7 +94,7 @@ def answer_simulate(implementation: Implementation, asked: Mapping[str, Any], ta
 
 
 def answer_stop(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
-    """The end."""
+    """Answer that the server stops."""
     yield {"answer": "stopped"}
 
 

@@ -93,7 +93,7 @@ class AnsweringProcess:
         in_background(write, self.child.stdin, line.encode() + b"\n")
 
     def answer(self, seconds: float) -> bytes:
-        """Its next line. Raises `ImplementationFault` if none comes in time, or none can come."""
+        """Return the next line. Raises `ImplementationFault` if none comes in time, or none can come."""
         deadline = time.monotonic() + seconds
         while True:
             with suppress(Empty):

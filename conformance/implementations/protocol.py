@@ -1,4 +1,4 @@
-"""What a vector needs from an implementation under test."""
+"""The interface between vectors and an implementation under test."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Refused(Exception):
 
     @property
     def when(self) -> str:
-        """That it was refused, and in which phase."""
+        """A text that says that the program was refused, and in which phase."""
         return "refused" if self.phase is None else f"refused in phase {self.phase}"
 
     def may_be_in(self, phases: Sequence[str]) -> bool:
@@ -78,7 +78,7 @@ class Implementation(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name and version."""
+        """The name and version of the implementation."""
         ...
 
     @property
@@ -101,7 +101,7 @@ class CountingAttempts(Protocol):
 
     @property
     def counts_attempts(self) -> bool:
-        """Whether they do."""
+        """Whether its scenes have the number of attempts."""
         ...
 
 

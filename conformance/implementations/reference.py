@@ -71,7 +71,9 @@ class Ourselves:
         return Enumerated(tuple((outcome.probability, outcome.scene.to_json()) for outcome in found.outcomes), found.acceptance)
 
     def density(self, task: Task, draws: Sequence[object]) -> float:
-        """That of the run in which these values are drawn. Raises `ValueError` if the run draws more or fewer."""
+        """Return the density of the run in which these values are drawn. Raises `ValueError` if the run draws
+        more or fewer.
+        """
         logarithms: list[float] = []
 
         def given(draw: Draw) -> object:
@@ -91,7 +93,9 @@ class Ourselves:
         return math.exp(sum(logarithms))
 
     def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
-        """What fired in the first runs of several scenes, until all wanted rules were seen and a run was accepted."""
+        """Return the rules that fired in the first runs of several scenes, until all wanted rules were seen
+        and a run was accepted.
+        """
         scenario = load_unless_refused(task)
         if scenario is None:
             return frozenset()
@@ -128,7 +132,9 @@ class Ourselves:
         return Enumerated(tuple((probability, to_json(simulation, 1)) for probability, simulation in found.outcomes), found.acceptance)
 
     def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
-        """What fired in the first runs of several simulations, until all wanted rules were seen and a run was accepted."""
+        """Return the rules that fired in the first runs of several simulations, until all wanted rules were
+        seen and a run was accepted.
+        """
         scenario = load_unless_refused(task)
         if scenario is None:
             return frozenset()

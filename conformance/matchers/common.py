@@ -1,4 +1,6 @@
-"""What all matchers share: drawing scenes, and places in them such as `params.r`, `objects[1].position[0]`, `ego.heading`."""
+"""The parts that all matchers share: drawing scenes, and places in them such as `params.r`,
+`objects[1].position[0]`, `ego.heading`.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ class Path:
         return self.text
 
     def read(self, scene: SceneRecord) -> object:
-        """What stands there. Raises `NotThere`."""
+        """Return the value at this place of a scene. Raises `NotThere`."""
         found: object = scene
         for number, step in enumerate(self.steps):
             found = ego_of(scene) if number == 0 and step == "ego" else child(found, step)
@@ -131,7 +133,7 @@ def requirements(never: NeverAccepted) -> str:
 
 
 def read_at_path(scenes: Sequence[SceneRecord], path: Path) -> list[object]:
-    """What stands at a place of each scene. Raises `Disagreement` where nothing does."""
+    """Return the value at a place of each scene. Raises `Disagreement` if there is none."""
     try:
         return [path.read(scene) for scene in scenes]
     except NotThere as missing:

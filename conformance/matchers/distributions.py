@@ -202,7 +202,7 @@ def read_shape(fields: VectorFields) -> Shape:
 
 
 def union(parts: Sequence[Shape]) -> Shape:
-    """What lies in at least one of the parts."""
+    """Return the union of the parts."""
     return lambda value, tolerance: any(part(value, tolerance) for part in parts)
 
 
@@ -281,7 +281,7 @@ def polyline(fields: VectorFields) -> Shape:
 
 
 def points(fields: VectorFields) -> Shape:
-    """Some single points."""
+    """Return the set of some single points."""
     listed = fields.points("points")
     return of_points(lambda p, tolerance: any(math.dist(p, q) <= tolerance for q in listed))
 
@@ -451,7 +451,7 @@ def read_distribution(fields: VectorFields) -> QuantityLaw:
 
 @dataclass(frozen=True, slots=True)
 class QuantitySupport:
-    """Where a quantity always lies, and sets that it must reach in `samples` samples."""
+    """The set in which a quantity always lies, and sets that it must reach in `samples` samples."""
 
     of: Path
     within: Shape

@@ -16,7 +16,7 @@ REQUIREMENTS = ("require", "containment", "collision", "visibility", "region", "
 
 
 def simulations_of(implementation: Simulating, task: Task, steps: int, attempts: int) -> list[SceneRecord]:
-    """The first simulation."""
+    """Return the first simulation of the implementation."""
     return list(implementation.simulations(task, steps, 1, seed=task.seed, attempts=attempts))
 
 

@@ -47,7 +47,7 @@ class SimulationCourse:
     objects: tuple[int, ...] | None
 
     def difference(self, found: SimulationRecord) -> str | None:
-        """Where a simulation is another one; None if it is this."""
+        """Describe the difference of a simulation from this one; None if there is none."""
         steps = found.get("steps")
         if not isinstance(steps, list) or not steps:
             return "the simulation has no steps"
@@ -65,7 +65,7 @@ class SimulationCourse:
 
 
 def child(step: object, key: str) -> object:
-    """What a time step has under a key."""
+    """Return the value of a time step under a key."""
     return step.get(key) if isinstance(step, Mapping) else None
 
 

@@ -145,7 +145,9 @@ class Batch:
 
     @property
     def parts(self) -> list[str]:
-        """What is drawn apart where rejection is factorised, or why nothing is: lines of a report."""
+        """The lines of a report: the parts that are drawn separately under factorised rejection, or the
+        reason why none are.
+        """
         objects = enumerate(self.template.objects)
         places = [(o.name or f"{o.class_name} (object {k})", nodes_in(o.properties["position"])) for k, o in objects]
         return describe_factorisation(self.graph, self.whole, places)
@@ -285,7 +287,7 @@ class BlockDrawing:
                 self.next[inner.number, places] += 1
 
     def count(self, stage: Stage, result: Evaluated, rejected: np.ndarray) -> None:
-        """These attempts at a stage were rejected."""
+        """Count the attempts at a stage that were rejected, by their requirement."""
         own = [row for row in result.reasons if rejected[row]]
         self.stuck.update(result.reasons[row] for row in own)
         rejected[own] = False
@@ -327,7 +329,7 @@ class BlockDrawing:
         self.pending = others
 
     def accept(self, places: np.ndarray, columns: Columns) -> None:
-        """These scenes are drawn, by the attempts that came next."""
+        """Accept scenes that the next attempts have drawn."""
         self.done[places] = True
         if len(places):
             self.pieces.append((places + self.start, columns))

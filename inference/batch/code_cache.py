@@ -68,7 +68,7 @@ class CodeCache:
         self.cache_path = ""
 
     def place(self, signature: object, codegen: Any) -> Path | None:
-        """Where the form for arguments of some types is kept."""
+        """Return the path of the compiled form for arguments of some types; None if nothing can be kept."""
         folder = private_folder()
         if folder is None or not CODE:
             return None
@@ -104,7 +104,7 @@ class CodeCache:
             forget(place.parent, ENDING, MOST, MOST_BYTES)
 
     def enable(self) -> None:
-        """As numba's."""
+        """Do nothing; numba's interface of caches asks for the method."""
 
     disable = flush = enable
 

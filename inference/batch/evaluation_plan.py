@@ -104,7 +104,7 @@ def roots_of(event: GraphEvent) -> list[GraphNode]:
 
 
 def cone(roots: list[GraphNode], done: set[int]) -> list[GraphNode]:
-    """What must be computed for the roots, in order."""
+    """Return the nodes that must be computed for the roots, in order."""
     found: dict[int, GraphNode] = {}
     waiting = list(roots)
     while waiting:

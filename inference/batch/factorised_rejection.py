@@ -140,7 +140,7 @@ class Stage:
 
     @property
     def all(self) -> list[Stage]:
-        """This stage, and those of its parts."""
+        """The stage and all stages of its parts."""
         return [self, *(inner for part in self.parts for inner in part.all)]
 
 
@@ -175,7 +175,9 @@ def frontier(roots: Sequence[GraphNode], known: Collection[int]) -> list[GraphNo
 
 
 def describe_factorisation(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence[GraphNode]]]) -> list[str]:
-    """What is drawn apart, or why nothing is. `places` has each object's name, and the nodes that its position is made of."""
+    """Describe the parts that are drawn separately, or the reason why none are. `places` has each object's
+    name, and the nodes that its position is made of.
+    """
     off = "factorised rejection is off"
     if not chosen.parts:
         reason = obstacle(graph)

@@ -145,7 +145,9 @@ def nodes_by_feature(template: Template) -> dict[str, GraphNode]:
 
 
 def supports_of(template: Template) -> dict[str, Support]:
-    """What features can be at most: numbers by the bounds of their nodes, which hold in every run, and choices among values."""
+    """Return bounds on the values of features: numbers by the bounds of their nodes, which hold in every run,
+    and choices among values.
+    """
     found: dict[str, Support] = {}
     for name, value in features_by_name(template):
         if isinstance(value, Choice):

@@ -166,7 +166,9 @@ class Part:
 
 
 class PartialRun(NamedTuple):
-    """What the machine reduces until the stack is `end`, only in the runs in which the truth of `condition` is `expected`."""
+    """A part of the run, until the stack is `end`, that happens only in the runs in which the truth of
+    `condition` is `expected`.
+    """
 
     condition: GraphNode
     expected: bool
@@ -174,11 +176,11 @@ class PartialRun(NamedTuple):
 
 
 class GraphEvent(NamedTuple):
-    """What decides a run, in the order of the program.
+    """An event that decides a run, in the order of the program.
 
-    "require": the run is rejected unless `node` is `expected`. "guard": the trace speaks for the run only if `node` is `expected`.
-    "call": a row-by-row node, whose failures are the run's. None of them counts where `condition`, a coin's node, is False. `guarded` says where
-    a guard stands.
+    "require": the run is rejected unless `node` is `expected`. "guard": the trace speaks for the run only if
+    `node` is `expected`. "call": a row-by-row node, whose failures are the run's. None of them counts where
+    `condition`, a coin's node, is False. `guarded` says where a guard stands.
     """
 
     kind: Literal["require", "guard", "call"]

@@ -87,7 +87,7 @@ def traced_function_name(function: object) -> str:
 
 
 def premise_of(arguments: tuple[object, ...], text: str) -> str:
-    """What a call supposes, in words: that a field has a value, or a region a point."""
+    """Return the premise of a call in words: that a field has a value, or a region a point."""
     fields = [a for a in arguments if isinstance(a, VectorField)]
     return OutsideField(fields[0], Vector(0.0, 0.0)).premise if fields else text
 
@@ -101,7 +101,9 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
 
 
 def key_of(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
-    """What two calls share if they are one: the function and arguments that are nodes, numbers or the same object."""
+    """Return a key that is equal for calls that are one: the function and arguments that are nodes, numbers
+    or the same object.
+    """
 
     def part(value: object) -> object:
         if isinstance(value, Traced):
@@ -518,9 +520,11 @@ class Recorder:
         return truth
 
     def need(self, symbol: Opaque | Choice) -> None:
-        """What comes supposes that a value is there, or is not, as in the traced run: the interpreter does the runs in which that differs.
+        """Suppose from here on that a value exists, or does not, as in the traced run; the interpreter does
+        the runs in which that differs.
 
-        If the program has asked before, these may be none. Raises `Retry` where the value is then None, and so of no known type.
+        If the program has asked before, these may be none. Raises `Retry` where the value is then None, and
+        so of no known type.
         """
         if isinstance(symbol, Opaque) and symbol.node.number not in self.examined:
             self.settle(symbol)
@@ -548,7 +552,9 @@ class Recorder:
     # What is evaluated in some runs only
 
     def begin(self, condition: GraphNode, expected: bool) -> None:
-        """What comes is evaluated only in the runs in which the truth of `condition` is as expected; and those around it hold as well."""
+        """Evaluate from here on only in the runs in which the truth of `condition` is as expected, and in
+        which the conditions around it hold as well.
+        """
         here: Any = Scalar(self, condition, condition.example)
         here = here if expected else ~here
         outer = Scalar(self, self.condition, self.condition.example) if self.condition is not None else True

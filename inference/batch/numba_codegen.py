@@ -281,7 +281,9 @@ class Writer:
         self.add(f"{name} = {self.array(headings)}[q]")
 
     def asked(self, name: str, kernel: str, owners: Sequence[object], which: str, values: list[str]) -> None:
-        """What one of some curves or polygons says of a place, by a kernel that goes through its own edges."""
+        """Write the query of a place to one of some curves or polygons, by a kernel that goes through its own
+        edges.
+        """
         *numbers, starts = self.kept_arrays(owners, lambda: arrays_of(owners))
         self.names[kernel] = getattr(numba_kernels, kernel)
         borders = [f"{self.array(starts)}[{which}{more}]" for more in ("", " + 1")]
@@ -297,7 +299,7 @@ class Writer:
     # Events
 
     def event(self, event: GraphEvent, number: int) -> None:
-        """What becomes of the run."""
+        """Write how an event decides the run."""
         fails = self.failing(event)
         if fails is None:
             return
@@ -452,7 +454,7 @@ class StateWriter(Writer):
         self.add(f"{name} = {made}{word}")
 
     def event(self, event: GraphEvent, number: int) -> None:
-        """What becomes of the run."""
+        """Write how an event decides the run."""
         fails = self.failing(event)
         if fails is None:
             return

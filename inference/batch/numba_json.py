@@ -301,7 +301,7 @@ class Pieces:
         self.longest += max(map(len, texts), default=0)
 
     def arrays(self) -> tuple[np.ndarray, ...]:
-        """What `put_rows` is called with."""
+        """Return the arrays with which `put_rows` is called."""
         starts = np.cumsum([0, *map(len, self.texts)], dtype=np.int64)
         floats = np.array(self.floats, dtype=float).reshape(len(self.floats), self.count).view(np.uint64)
         wholes = np.array(self.wholes, dtype=np.int64).reshape(len(self.wholes), self.count)

@@ -46,7 +46,8 @@ ACCEPTED, LEFT = -1, -2
 
 
 class Evaluated(NamedTuple):
-    """What became of each row, and the columns of those that were accepted (in order); rounding might have decided `doubtful` rows on tensors.
+    """The fate of each row, and the columns of the accepted rows, in order; on tensors, rounding might have
+    decided `doubtful` rows.
 
     `reasons` says what rejected rows failed whose step cannot tell, since it depends on the row.
     """
@@ -113,7 +114,8 @@ def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
 
 
 def leavers(graph: Graph, runs: int, seed: int = 0) -> Counter[str]:
-    """What leaves runs to the interpreter, in words and with its place, and how many of `runs` runs it does.
+    """Count which parts of the graph leave runs to the interpreter, in words and with their places, and how
+    many of `runs` runs each leaves.
 
     Guards do, and calls that fail or give something else than in the run that was traced.
     """

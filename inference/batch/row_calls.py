@@ -38,7 +38,7 @@ class FailedRows(NamedTuple):
         return FailedRows(self.rejected[kept], self.left[kept], None if self.reasons is None else self.reasons[kept])
 
     def among(self, rows: np.ndarray, count: int) -> FailedRows:
-        """The same where these are some of so many rows, of whose others none failed."""
+        """Return the failures of these rows placed among `count` rows, of whose others none failed."""
         reasons = None if self.reasons is None else np.full(count, None)
         found = FailedRows(np.zeros(count, dtype=bool), np.zeros(count, dtype=bool), reasons)
         found.rejected[rows], found.left[rows] = self.rejected, self.left
@@ -47,7 +47,7 @@ class FailedRows(NamedTuple):
         return found
 
     def reasons_of(self, rows: np.ndarray, event: GraphEvent) -> dict[int, Requirement]:
-        """What those of these rows failed that are rejected, by their position, where it is known row by row."""
+        """Return the requirements that rejected rows failed, by position, if that is known row by row."""
         if self.reasons is None or event.requirement is None:
             return {}
         rejected = np.flatnonzero(rows & self.rejected & ~self.left).tolist()

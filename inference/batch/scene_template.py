@@ -89,7 +89,7 @@ def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarr
 
 
 def row_values(value: object, columns: Columns, count: int) -> list[object]:
-    """What a value is in each row."""
+    """Return the value in each row."""
     match value:
         case Choice() if not symbols_in(value.values):
             return [value.values[k] for k in columns[value.node.number].tolist()]

@@ -350,7 +350,7 @@ def in_row(value: object, resolve: Resolve) -> Any:
 
 
 def row_maker(value: object) -> Callable[[Resolve], Any]:
-    """What gives the value in each row: where its symbols stand is found once."""
+    """Return a function that gives the value in each row; the places of its symbols are found once."""
     if not symbols_in(value):
         return lambda resolve: value
     match value:

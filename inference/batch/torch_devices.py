@@ -1,4 +1,4 @@
-"""Where torch evaluates graphs, if it is installed."""
+"""The devices on which torch evaluates graphs, if it is installed."""
 
 from __future__ import annotations
 

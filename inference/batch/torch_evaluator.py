@@ -51,7 +51,7 @@ class TensorNumbers(Protocol):
 
 
 class MovedNumbers:
-    """Those of the columns, which leave out rows themselves."""
+    """The random numbers of columns on the host, moved to the device; those columns leave out rows."""
 
     def __init__(self, numbers: Numbers, device: torch.device) -> None:
         self.numbers, self.device = numbers, device
@@ -65,7 +65,9 @@ class MovedNumbers:
 
 
 class DeviceNumbers:
-    """The same numbers computed on the device, so that nothing need be moved there; `scenes` and `attempts` are uint64."""
+    """The random numbers computed on the device, so that nothing need be moved there; `scenes` and `attempts`
+    are uint64.
+    """
 
     def __init__(self, seed: int, scenes: np.ndarray, attempts: np.ndarray, device: torch.device) -> None:
         self.seed = fold(seed)
@@ -269,7 +271,9 @@ class TensorEvaluator:
     def first(
         self, steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, Columns, dict[int, Requirement]]:
-        """What becomes of each row as far as tensors tell, the rows that are accepted, their outputs, and the `Evaluated.reasons`."""
+        """Return the fate of each row as far as tensors tell, the accepted rows, their outputs, and the
+        `Evaluated.reasons`.
+        """
         fate, rows = np.full(len(scenes), ACCEPTED, dtype=np.int32), np.arange(len(scenes))
         numbers = Numbers(seed, scenes, attempts)
         device = self.kit.device

@@ -86,7 +86,7 @@ class Doubts:
         self.rows = torch.zeros(rows, dtype=torch.bool, device=device)
 
     def add(self, rows: Tensor) -> None:
-        """These as well, of which a mask is given."""
+        """Add the rows of a mask."""
         self.rows |= rows
 
     def keep(self, kept: Tensor) -> None:
@@ -137,7 +137,7 @@ def sum_rule(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
 
 
 def product_rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
-    """A product."""
+    """Bound the rounding error of a product."""
     error = times(a.largest, b.error) + times(b.largest, a.error) + times(a.error, b.error)
     largest = times(a.largest, b.largest)
     return Rounded(a.values * b.values, error and error + STEP * largest, largest)
@@ -156,7 +156,7 @@ def quotient_rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
 
 
 def remainder(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
-    """What is left of a division: doubtful near the multiples of the divisor."""
+    """Return the rule for the remainder of a division: doubtful near the multiples of the divisor."""
 
     def rule(doubts: Doubts, a: Rounded, b: Rounded) -> Rounded:
         values = operation(a.values, b.values)
@@ -171,7 +171,7 @@ def remainder(operation: Callable[[Tensor, Tensor], Tensor]) -> Rule:
 
 
 def isometry_rule(operation: Callable[[Tensor], Tensor]) -> Rule:
-    """What moves a number by as much as its operand moves."""
+    """Return the rule for an operation that moves a number by as much as its operand moves."""
     return lambda doubts, a: Rounded(operation(a.values), a.error, a.largest)
 
 
@@ -348,7 +348,7 @@ def device_of(name: str) -> torch.device:
 
 
 def missing_for_cuda() -> str:
-    """What keeps torch from using a GPU; nothing if it can, and then all is ready to do so."""
+    """Make the GPU ready for torch and return "", or return the reason why torch cannot use it."""
     if torch.version.cuda is None and torch.version.hip is None:
         return f"torch {torch.__version__} is a build without CUDA"
     if not torch.cuda.is_available():
@@ -487,7 +487,9 @@ def operation_name(function: object) -> str:
 
 
 def operands_of(call: RowCall) -> list[object]:
-    """What a test on a polygon or a field is computed from: numbers, the ones of a vector following each other."""
+    """Return the operands from which a test on a polygon or a field is computed: numbers, with the components
+    of a vector one after the other.
+    """
     return [part for value in call.structure[1:] for part in (value if isinstance(value, Vector) else (value,))]
 
 

@@ -411,7 +411,7 @@ def late(problem: BaseException, made: Recorder) -> BaseException:
 
 
 def no_graph(end: End) -> BaseException:
-    """What to raise for a run that has not come to its end."""
+    """Return the exception to raise for a run that has not come to its end."""
     match end:
         case Fault(error=RandomBranch(span=span)):
             return NotLifted(f"{span}: what is drawn decides what happens in the condition of a requirement")
@@ -432,7 +432,7 @@ def with_place(problem: str, config: Config, beginning: Config) -> str:
 
 
 class SymbolicRun:
-    """What steps, answers and watches while a run is traced."""
+    """The driver of a traced run: it steps, answers draws and watches events."""
 
     def __init__(self, made: Recorder, draws: Draws, config: Config) -> None:
         self.made = made
@@ -443,7 +443,7 @@ class SymbolicRun:
         made.place = lambda text: Requirement("field", place(self.config), text)
 
     def step(self, config: Config) -> Outcome:
-        """What the machine says next; what was evaluated only in some runs ends before it."""
+        """Return the machine's next outcome; partial runs that end before it are closed."""
         partial_runs = self.partial_runs
         while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
             check_unchanged(partial_runs.pop()[1], config.state)
@@ -490,7 +490,9 @@ class SymbolicRun:
             self.partial_runs.append((found.end, outcome.config.state))
 
     def beyond(self, outcome: Stuck) -> Config | None:
-        """Where a run goes on whose requirement became an event, or fails whatever is drawn. Raises `Impossible`, `Retry`."""
+        """Return the point at which a run goes on after its requirement became an event, or fails whatever is
+        drawn. Raises `Impossible`, `Retry`.
+        """
         if outcome.beyond is None:
             return self.rejected_in_case(outcome)
         events = self.made.graph.events
@@ -501,7 +503,7 @@ class SymbolicRun:
         return outcome.beyond
 
     def rejected_in_case(self, outcome: Stuck) -> Config | None:
-        """Where a run goes on that is rejected in one case of a container that is filtered: after this case."""
+        """Return the point after the rejected case, when a container is filtered case by case."""
         end, state = self.partial_runs[-1] if self.partial_runs else ((None, ()), None)
         if state is None or not isinstance(end[0], SelectingInCases):
             return None
@@ -563,7 +565,9 @@ def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:
 
 
 def draw_symbol(draw: Draw, made: Recorder) -> object:
-    """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
+    """Return the value of a draw: the distribution's own map of numbers, on symbols; or row by row if it
+    takes no fixed number of them.
+    """
     try:
         drawn = draw_from_choice(draw.distribution, numbers_of(draw, made), made)
         if drawn is NotImplemented:
@@ -592,7 +596,9 @@ def has_spread(distribution: Distribution) -> bool:
 
 
 def one_of(distribution: Uniform, number: float) -> object:
-    """What a distribution over all items of some containers gives in one run. Raises `NothingToDraw` if there are none."""
+    """Return the value of a distribution over all items of some containers in one run. Raises `NothingToDraw`
+    if there are none.
+    """
     values = [item for v in distribution.values for item in (v.container if isinstance(v, Spread) else (v,))]
     if not values:
         raise NothingToDraw(distribution.name)

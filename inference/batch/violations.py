@@ -159,7 +159,9 @@ def points_away(edges: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def few_away(edges: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The same for few points, which stand below each other."""
+    """Return how far a few points, which stand below each other, are outside of the polygon with these edges;
+    0 inside.
+    """
     ax, ay, bx, by = edges.T
     dx, dy = bx - ax, by - ay
     squared = dx * dx + dy * dy

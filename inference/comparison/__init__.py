@@ -1,4 +1,6 @@
-"""What "the same distribution" means: anytime-valid tests by betting, with their evidence and their power."""
+"""Tests of whether two samples have "the same distribution": anytime-valid, by betting, with their evidence
+and their power.
+"""
 
 from .comparison import DEFAULT_TV, Sampler, compare, compare_invariance
 from .exact_laws import DEFAULT_ALPHA, BoundedMean, Categorical, Continuous, Law, contradicts, evidence

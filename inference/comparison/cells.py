@@ -93,7 +93,7 @@ class OfLaw:
 
     @property
     def probabilities(self) -> Array:
-        """Those of the cells."""
+        """The probabilities of the cells."""
         return self.law.cells(())[1]
 
     @property

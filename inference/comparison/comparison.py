@@ -329,7 +329,9 @@ class SceneStream:
 
 @dataclass(frozen=True)
 class SceneView:
-    """What is compared of scenes: their features, rounded alike on both sides, and what follows from them."""
+    """The features by which scenes are compared, rounded alike on both sides, with the features derived from
+    them.
+    """
 
     facts: Facts = field(default_factory=Facts)
     roundings: Mapping[str, Rounding] = field(default_factory=dict)
@@ -397,7 +399,7 @@ def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Ter
 
 
 def with_law(facts: Facts, law: Enumeration, names: SampleNames) -> Facts:
-    """What is known of a program, and of its exact law: features that are the same in all outcomes."""
+    """Add the features that are equal in all outcomes of a program's exact law to the known facts."""
     always = constants_of(names.kept(features_table(law.scenes)))
     return replace(facts, constants={**always, **facts.constants})
 
@@ -438,13 +440,12 @@ class Collected:
         learn(self.cuts, a)
 
     def look(self) -> None:
-        """Update the evidence."""
         if self.tests:
             wealth = average_e_values(np.array([test.look() for test in self.tests]))
             self.evidence = max(self.evidence, wealth / math.log(10.0))
 
     def verdict(self, burned: int, skipped: Sequence[str]) -> Verdict:
-        """What was found."""
+        """Return the verdict on the scenes so far."""
         features = sorted((test.feature() for test in self.tests), key=lambda f: -f.evidence)
         kind: Kind = "different" if self.decided else "equivalent" if self.n >= self.needed else "inconclusive"
         return Verdict(

@@ -110,7 +110,7 @@ class FeatureTest:
         return wealth
 
     def feature(self) -> Feature:
-        """How it compares."""
+        """Return the result of the comparison of the feature."""
         labels = self.cuts[0].fine.labels()
         if len(self.cuts) == 2:
             labels = tuple(f"{one} & {other}" for one in self.cuts[0].coarse.labels() for other in self.cuts[1].coarse.labels())

@@ -91,7 +91,9 @@ def impossible_in(table: FeatureTable, facts: Facts, tolerance: float) -> Iterat
 
 
 def outside(table: FeatureTable, name: str, support: Support, tolerance: float) -> Array:
-    """Where a feature is outside its support; a scene without it is not."""
+    """Return a mask of the scenes in which a feature is outside its support; a scene without the feature is
+    not.
+    """
     values = table.arrays[name]
     wrong = support.outside(values, tolerance)
     otherwise = table.arrays.get(name + OTHERWISE)
@@ -104,7 +106,7 @@ def outside(table: FeatureTable, name: str, support: Support, tolerance: float) 
 
 
 def not_finite(table: FeatureTable, name: str) -> Array:
-    """Where a feature is a number that is infinite, or NaN."""
+    """Return a mask of the scenes in which a feature is an infinite number, or NaN."""
     values = table.arrays[name]
     if values.dtype != np.float64:
         return np.zeros(len(values), dtype=bool)

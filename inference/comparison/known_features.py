@@ -1,4 +1,6 @@
-"""What is known of a program's scenes before any is drawn: constants, supports, and features that its own text suggests."""
+"""Facts about a program's scenes before any is drawn: constants, supports, and features that its own text
+suggests.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ from .scene_columns import ABSENT, FeatureTable, comparable_text
 
 @dataclass(frozen=True)
 class Support:
-    """What a feature can be, at most: numbers in [low, high] and, with `values`, only these (numbers or texts).
+    """A bound on a feature: numbers in [low, high] and, with `values`, only these (numbers or texts).
 
     `scale` is the size of the numbers that it was computed from: their rounding is its error.
     """
@@ -27,7 +29,9 @@ class Support:
     scale: float = 1.0
 
     def outside(self, column: Array, tolerance: float) -> Array:
-        """Where values are none of these; NaN is judged elsewhere. `tolerance` is relative, from 1 on."""
+        """Return a mask of the values outside the support; NaN is judged elsewhere. `tolerance` is relative,
+        from 1 on.
+        """
         if self.values is not None:
             return ~np.any([equal(column, v, tolerance) for v in self.values], axis=0) & ~missing_mask(column)
         if column.dtype != np.float64:
@@ -48,12 +52,12 @@ def slack(bound: float, tolerance: float, scale: float = 1.0) -> float:
 
 
 def missing_mask(column: Array) -> Array:
-    """Where a column has no number, or no value at all."""
+    """Return a mask of the rows in which a column has no number, or no value at all."""
     return np.isnan(column) if column.dtype == np.float64 else column == ABSENT
 
 
 def equal(column: Array, value: object, tolerance: float, *, angle: bool = False) -> Array:
-    """Where a column has a value, numbers up to the tolerance (and whole turns)."""
+    """Return a mask of the rows in which a column equals `value`, up to the tolerance (and whole turns)."""
     if column.dtype == np.float64 and isinstance(value, (int, float)) and not isinstance(value, bool):
         with np.errstate(invalid="ignore"):
             off = np.abs(column - value)
@@ -67,20 +71,22 @@ Derived = Callable[[FeatureTable], Mapping[str, Array]]
 
 
 def no_derived_features(table: FeatureTable) -> Mapping[str, Array]:
-    """No derived features."""
+    """Return no derived features."""
     return {}
 
 
 @dataclass(frozen=True)
 class Facts:
-    """What is known of a program's scenes: features that no draw changes, the supports of others (derived ones as well), derived features."""
+    """Facts about a program's scenes: features that no draw changes, the supports of others (derived ones as
+    well), derived features.
+    """
 
     constants: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     supports: Mapping[str, Support] = field(default_factory=lambda: MappingProxyType({}))
     derived: Derived = no_derived_features
 
     def without(self, ignored: Callable[[str], bool]) -> Facts:
-        """The same without some features."""
+        """Return the facts without some features."""
         constants = {name: value for name, value in self.constants.items() if not ignored(name)}
         return replace(self, constants=constants, supports={name: s for name, s in self.supports.items() if not ignored(name)})
 
@@ -91,5 +97,5 @@ class WithFacts(Protocol):
 
     @property
     def facts(self) -> Facts:
-        """These facts."""
+        """The facts about the program's scenes."""
         ...

@@ -48,7 +48,7 @@ class Shuffled:
         self.n = 0
 
     def add(self, table: FeatureTable) -> None:
-        """Further scenes."""
+        """Add further scenes to the sample."""
         self.n += table.n
         self.waiting.append(table)
         if sum(t.n for t in self.waiting) >= SHUFFLED_CHUNK:
@@ -99,7 +99,7 @@ def pack_column(values: Array) -> Packed:
 
 
 def unpack_column(column: Packed) -> Array:
-    """The column."""
+    """Return the column as it was packed."""
     kind, values, rest = column
     if kind == "same":
         return np.broadcast_to(values, rest)  # type: ignore[arg-type]
@@ -245,7 +245,9 @@ def _lines(file: Iterable[bytes], path: str) -> Iterator[Numbered]:
 
 
 def parse_sample_lines(lines: Sequence[tuple[int, bytes]], path: str) -> Iterable[object]:
-    """What stands on some lines: all at a time if each is an object of JSON, which is quicker, else line by line. Raises `UsageError`."""
+    """Parse lines of a sample: all at a time if each is an object of JSON, which is quicker, else line by
+    line. Raises `UsageError`.
+    """
     if all(line[0] == OPENING and line[-1] == CLOSING for _, line in lines):
         with suppress(ValueError, RecursionError), pause_garbage_collection():
             found = decode_scene_list(b"[" + b",".join([line for _, line in lines]) + b"]")
@@ -288,7 +290,7 @@ def decode_scene_list(text: bytes) -> list[Any]:
 
 
 def one_by_one(lines: Sequence[tuple[int, bytes]], path: str) -> Iterator[object]:
-    """What stands on some lines. Raises `UsageError`."""
+    """Parse lines of a sample one by one. Raises `UsageError`."""
     for number, line in lines:
         text = line.decode()
         try:

@@ -58,7 +58,7 @@ def is_angle(name: str) -> bool:
 
 
 def unit_of(name: str) -> str:
-    """What a feature of objects is measured in, as far as that is known; "" otherwise."""
+    """Return the unit of a feature of objects, or "" if it is not known."""
     if not (name.startswith("objects[") or is_relation(name)):
         return ""
     return next((unit for unit, names in UNITS.items() if last_part(name) in names), "rad" if is_angle(name) else "")
@@ -249,7 +249,7 @@ def stack_tables(tables: Sequence[FeatureTable]) -> FeatureTable:
 
 
 def otherwise(table: FeatureTable, name: str) -> Array:
-    """What a feature is where it is not a number."""
+    """Return a feature's values where it is not a number."""
     values = table.arrays.get(name)
     if values is None or values.dtype != np.float64:
         return full(table.n, ABSENT) if values is None else values

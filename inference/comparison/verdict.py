@@ -1,4 +1,4 @@
-"""What a comparison found, with everything that is needed to believe it or to repeat it."""
+"""The verdict of a comparison, with everything that is needed to believe it or to repeat it."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ class MovesMade:
         self.counts = np.zeros((len(NAMES), max(blocks, 1), 2))
 
     def add(self, kinds: np.ndarray, block: np.ndarray, taken: np.ndarray) -> None:
-        """Some more moves."""
+        """Count further moves, and those that were taken."""
         np.add.at(self.counts, (kinds, block), np.stack([np.ones(len(taken)), taken], axis=1))
 
     def parts(self) -> dict[str, float]:

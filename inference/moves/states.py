@@ -1,9 +1,10 @@
-"""What is random in a run, as a point: a number in [0, 1) for each of the numbers that its draws take.
+"""The randomness of a run as a point: a number in [0, 1) for each of the numbers that its draws take.
 
-A run is a function of these numbers (DESIGN, section 5), which are independent and uniform. So the distribution of the scenes is that of the
-uniform distribution on the points whose runs are accepted: there are no densities, and discrete draws, regions, truncated normal
-distributions and mixtures are all alike. A draw that takes no fixed number of numbers has a word instead, which names a stream of
-them; so have, all together, the draws of a run that the graph does not know of.
+A run is a function of these numbers (DESIGN, section 5), which are independent and uniform. So the
+distribution of the scenes is that of the uniform distribution on the points whose runs are accepted: there
+are no densities, and discrete draws, regions, truncated normal distributions and mixtures are all alike. A
+draw that takes no fixed number of numbers has a word instead, which names a stream of them; so have, all
+together, the draws of a run that the graph does not know of.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class States:
             yield States(self.uniforms[:, first : first + CHUNK], self.words[:, first : first + CHUNK])
 
     def where(self, chosen: np.ndarray, others: States) -> States:
-        """Those of `others` in the rows that are chosen."""
+        """Return these states, with the states of `others` in the chosen rows."""
         return States(np.where(chosen, others.uniforms, self.uniforms), np.where(chosen, others.words, self.words))
 
     def put(self, rows: np.ndarray, others: States) -> States:
@@ -101,7 +102,7 @@ class Space:
         return choose
 
     def places(self, address: Address) -> list[int]:
-        """Where the numbers of a draw stand, in order."""
+        """Return the places of the numbers of a draw, in order."""
         found: list[int] = []
         while (address, len(found)) in self.number:
             found.append(self.number[address, len(found)])
@@ -154,7 +155,7 @@ class StateNumbers(Numbers):
         return len(self.rows)
 
     def copy(self) -> StateNumbers:
-        """The same numbers, from which rows can be left out apart."""
+        """Return a copy from which rows can be left out independently."""
         return StateNumbers(self.space, self.states, self.rows)
 
     def at(self, rows: np.ndarray) -> StateNumbers:

@@ -54,7 +54,7 @@ Below = Mapping[int, tuple[np.ndarray, np.ndarray]]
 
 
 def below_rows(space: Space, steps: Sequence[PlanStep]) -> Below:
-    """These of a plan."""
+    """Return the numbers and words below each node of a plan that is computed row by row."""
     nodes = [node for step in steps for node in step.nodes if isinstance(node.function, (RowCall, RowDraw))]
     places = {node.number: space.of_nodes(cone([node], set())) for node in nodes}
     return {k: (np.array(sorted(numbers), dtype=np.int64), np.array(sorted(words), dtype=np.int64)) for k, (numbers, words) in places.items()}
@@ -178,7 +178,7 @@ class Target:
         self.compiling, self.spent = COMPILE_LEAST + COMPILE_NODE * len(batch.graph.nodes), 0.0  # seconds, as far as can be guessed
 
     def simulate(self, count: int, random: np.random.Generator) -> States:
-        """Independent states."""
+        """Draw `count` independent states."""
         return self.space.draw(count, random)
 
     def measure(self, random: np.random.Generator) -> float:
@@ -218,7 +218,9 @@ class Target:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a user should know of the requirements: where one can be met in several ways, one of them may never have been met with."""
+        """Notes for the user about the requirements: where one can be met in several ways, one of them may
+        never have been met with.
+        """
         requirements = (e for e in self.graph.events if e.requirement is not None and e.kind == "require")
         texts = ", ".join(dict.fromkeys(e.requirement.text for e in requirements if has_alternatives(e.node, e.expected)))  # type: ignore[union-attr]
         if not texts:
@@ -267,12 +269,14 @@ class Target:
         return found
 
     def remember(self) -> Remembered | None:
-        """What will be known of the states of some chains, from their first move on; None where nothing is computed row by row."""
+        """Return a memory of the states of some chains, from their first move on; None if nothing is computed
+        row by row.
+        """
         return Remembered(self.space, self.below) if self.below else None
 
     @cached_property
     def below(self) -> Below:
-        """What is below the nodes that are computed row by row."""
+        """The numbers and words below the nodes that are computed row by row."""
         return below_rows(self.space, self.steps)
 
     def update(

@@ -1,6 +1,8 @@
-"""What holds in every accepted run: the requirements of a graph, taken apart. Soft requirements are left out, since runs pass without them.
+"""Facts of every accepted run: the requirements of a graph, taken apart. Soft requirements are left out,
+since runs pass without them.
 
-A requirement event without a coin rejects every run in which its node is not as expected, so that the node is so in every scene.
+A requirement event without a coin rejects every run in which its node is not as expected, so that the node is
+so in every scene.
 """
 
 from __future__ import annotations
@@ -54,7 +56,9 @@ class Located(NamedTuple):
 
 
 def truths(graph: Graph, *, soft: bool = False) -> Iterator[Truth]:
-    """What the hard requirements say (or, for reports only, the soft ones), conjunctions taken apart."""
+    """Yield the truths in the hard requirements (or, for reports only, the soft ones), conjunctions taken
+    apart.
+    """
     for event in graph.events:
         if event.kind == "require" and (event.condition is not None) is soft:
             yield from _conjuncts(Truth(event.node, event.expected))
@@ -182,12 +186,12 @@ def property_of(state: State, instance: Instance, name: str) -> object:
 
 
 def position_of(state: State, instance: Instance) -> Point | None:
-    """The final position."""
+    """Return the final position of an object."""
     return point_of(property_of(state, instance, "position"))
 
 
 def object_report_name(state: State, instance: Instance) -> str:
-    """What a report calls an object."""
+    """Return the name of an object in a report."""
     return state.names.get(instance.number) or f"{instance.class_.name} (object {state.scene.index(instance)})"
 
 

@@ -55,7 +55,7 @@ SHARP = 2.0
 
 
 class Known(Protocol):
-    """What holds in every accepted run."""
+    """The facts of every accepted run, as an interface."""
 
     @property
     def graph(self) -> Graph: ...
@@ -305,7 +305,7 @@ LANGUAGE = Region.__module__.rsplit(".", 2)[0] + ".regions"
 
 
 class Knowledge(NamedTuple):
-    """What holds in every accepted run."""
+    """The facts of every accepted run."""
 
     graph: Graph
     state: State
@@ -316,7 +316,7 @@ class Knowledge(NamedTuple):
 
 
 def knowledge_of(recorded: Recorded) -> Knowledge:
-    """What the requirements of a program say."""
+    """Return the facts that the requirements of a program state."""
     graph, state, _ = recorded
     facts = list(truths(graph))
     distances = [*default_distances(state), *required_distances(limits(facts))]

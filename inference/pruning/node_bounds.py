@@ -1,6 +1,8 @@
-"""What can be said about the numbers of a graph in all runs: bounds, sums, headings along a field, offsets in an object's frame.
+"""Statements about the numbers of a graph in all runs: bounds, sums, headings along a field, offsets in an
+object's frame.
 
-Everything here is a statement about nodes. A node that is not understood has no bounds, and then nothing is pruned by it.
+Everything here is a statement about nodes. A node that is not understood has no bounds, and then nothing is
+pruned by it.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ class Interval(NamedTuple):
         return Interval(-self.high, -self.low)
 
     def times(self, other: Interval) -> Interval:
-        """All products."""
+        """Return the interval that holds all products; the whole line if a product is not finite."""
         products = [x * y for x in self for y in other]
         return Interval(min(products), max(products)) if all(map(math.isfinite, products)) else ALL
 
@@ -231,7 +233,9 @@ def field_alignment(heading: Operand) -> Aligned | None:
 
 
 class Offset(NamedTuple):
-    """Where a point is, seen from another that is headed somehow: metres `across` to the right, `along` ahead, up to `slack` metres."""
+    """The position of a point as seen from another that has a heading: metres `across` to the right, `along`
+    ahead, up to `slack` metres.
+    """
 
     across: Interval
     along: Interval

@@ -1,4 +1,4 @@
-"""What pruning did, and why not more: the results of an analysis."""
+"""The results of an analysis: the effect of pruning, and the reasons why it did no more."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ PAPER: tuple[Technique, ...] = ("containment", "orientation", "size", "reachabil
 
 
 class Finding(NamedTuple):
-    """What one technique did for the objects at one point: the areas in square metres, or (`after` is None) the assumption that fails."""
+    """The effect of one technique on the objects at one point: the areas in square metres, or (`after` is
+    None) the assumption that fails.
+    """
 
     objects: str
     technique: Technique

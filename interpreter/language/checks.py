@@ -33,7 +33,9 @@ DYNAMIC: tuple[Home, ...] = ("a behavior", "a monitor", "a compose block")
 
 @dataclass(frozen=True, slots=True)
 class StatementPlace:
-    """Where a statement stands: the definition around it, and whether a loop, an interruptible `try` or a function is."""
+    """The place of a statement: the definition around it, and whether a loop, an interruptible `try` or a
+    function is.
+    """
 
     home: Home = "the top level"
     in_loop: bool = False

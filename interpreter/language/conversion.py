@@ -164,7 +164,7 @@ class Comments:
             yield from self.until(last + 1)
 
     def trailing(self) -> Iterator[str]:
-        """What is left at the end of the file."""
+        """Yield the comments that are left at the end of the file."""
         yield from self.until(len(self.source) + 1)
 
 
@@ -175,7 +175,7 @@ def statements_and_properties(program: Program) -> Iterator[Node]:
 
 
 def node_start(node: Node) -> Place:
-    """Where a node begins."""
+    """Return the place at which a node begins."""
     return (node.span.line, node.span.column)
 
 
@@ -334,7 +334,7 @@ class Commented(Converted):
         self.comments = Comments(program)
 
     def within(self, quote: str) -> Converted:
-        """What stands in an f-string has no comments."""
+        """Return the converter for the inside of an f-string, which has no comments."""
         return Converted(self.dialect, (*self.outer, quote))
 
     def one(self, node: Node, text: str) -> Iterator[str]:

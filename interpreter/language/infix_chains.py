@@ -106,7 +106,7 @@ def apply(link: Link, left: Expression, right: Expression) -> Expression:
 
 
 def _specifier(link: Link, argument: Expression) -> Specifier:
-    """The same operator read as the first specifier of an object definition."""
+    """Return the operator read as the first specifier of an object definition."""
     span = join(link.keyword, argument.span)
     match link.kind:
         case "AT":

@@ -185,7 +185,7 @@ WRITTEN = "it is written with the scenes, and a simulator is told of it; the pro
 
 
 def _meant_param(name: str, known: Collection[str], read: Mapping[str, Collection[str]]) -> str:
-    """What to do about a parameter that nothing reads."""
+    """Return the advice about a parameter that nothing reads."""
     if name in read:
         return f"the program has none of the modules that read it: {', '.join(read[name])}"
     return did_you_mean(name, known, WRITTEN)
@@ -489,7 +489,7 @@ def _definitions(
 
 
 def _kind_of(expression: Node, known: Mapping[str, type[Node]]) -> type[Node] | None:
-    """What kind of definition an expression names or calls, if that is known."""
+    """Return the kind of definition that an expression names or calls, if that is known."""
     match expression:
         case ObjectOrValue(value=inner) | Call(function=inner):
             return _kind_of(inner, known)
@@ -565,7 +565,7 @@ def _inside(body: Node) -> Iterator[Node]:
 
 
 def _told_of(body: Node) -> str:
-    """Where a name is bound that cannot be seen from elsewhere."""
+    """Describe the binding of a name that cannot be seen from elsewhere."""
     what = body.name if isinstance(body, s.FunctionDefinition | d.BehaviorDefinition | d.MonitorDefinition) else "the lambda"
     return f"only {what} on line {body.span.line} has a variable of that name, its own"
 

@@ -1,4 +1,4 @@
-"""What literals mean: numbers, strings, and the pieces of f-strings."""
+"""The values of literals: numbers, strings, and the pieces of f-strings."""
 
 from __future__ import annotations
 

@@ -36,7 +36,9 @@ World = Callable[[], str | Mapping[str, object] | Exception]
 
 
 def _members(module: object) -> Mapping[str, object]:
-    """What a program meets of a Python module: the names that do not begin with an underscore, and those in its `__all__`, which `*` imports."""
+    """Return the members of a Python module that a program can use: the names that do not begin with an
+    underscore, and those in its `__all__`, which `*` imports.
+    """
     listed = getattr(module, "__all__", None)
     found = {name: getattr(module, name) for name in dir(module) if not name.startswith("_")}
     if isinstance(listed, (list, tuple)) and all(isinstance(name, str) for name in listed):
@@ -283,7 +285,7 @@ def linked_program(name: str, path: Path, dialect: str | None) -> Program | Exce
 
 
 def path_of(key: str, directory: Path) -> Path:
-    """Where a module beside the program stands, without the ending."""
+    """Return the path of a module beside the program, without the ending."""
     stripped = key.lstrip(".")
     return folder_of(key, directory).joinpath(*stripped.split(".")) if stripped else folder_of(key, directory)
 

@@ -149,7 +149,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         return Constant(span=span, value=b"".join(binary) if binary else "".join(text))
 
     def string_pieces(self, token: Token) -> list[str | bytes | FormattedValue]:
-        """What one literal contributes."""
+        """Return the pieces that one literal contributes."""
         try:
             if token.type == "STRING":
                 return [literals.string(str(token))]

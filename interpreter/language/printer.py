@@ -432,7 +432,6 @@ class ExpressionPrinter(StringPrinter):
         return ", ".join([self.specifier(specifier) for specifier in specifiers])
 
     def specifier(self, node: Specifier) -> str:
-        """One specifier."""
         match node:
             case q.WithSpecifier():
                 return f"with {node.property} {self.argument(node.value)}"
@@ -680,7 +679,7 @@ class StatementPrinter(ExpressionPrinter):
         return f"{word} {name}({self.parameters(parameters)})"
 
     def guards(self, node: d.BehaviorDefinition | d.ScenarioDefinition) -> Iterator[Item]:
-        """Preconditions and invariants."""
+        """Yield the preconditions, then the invariants."""
         for word, conditions in (("precondition", node.preconditions), ("invariant", node.invariants)):
             yield from ((condition, self.one(condition, f"{word}: {self.operand(condition)}")) for condition in conditions)
 

@@ -1,4 +1,6 @@
-"""What a user reads when the text is not a program: the place, what was expected, and one repair for the most common mistakes."""
+"""Messages for a text that is not a program: the place, what was expected, and one repair for the most common
+mistakes.
+"""
 
 from __future__ import annotations
 
@@ -47,8 +49,8 @@ CONDITION_START = r"^\s*(?:require|if|elif|while|assert|until|terminate\s+when|i
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Where parsing stopped: the line, the 0-based column in it, the word there ("" at the end of the line), the line
-    above, and whether the dialect is one of the releases.
+    """The situation in which parsing stopped: the line, the 0-based column in it, the word there ("" at the
+    end of the line), the line above, and whether the dialect is one of the releases.
     """
 
     line: str
@@ -70,7 +72,9 @@ class Situation:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """What is wrong and how to write it; `place` is the mistake in the line, from one 0-based column to another, if parsing stopped later."""
+    """The description of a mistake and its repair; `place` is the mistake in the line, from one 0-based
+    column to another, if parsing stopped later.
+    """
 
     message: str
     hint: str
@@ -309,7 +313,7 @@ def find(place: Situation) -> Repair | None:
 
 
 def _here(match: re.Match[str]) -> tuple[int, int] | None:
-    """Where the pattern says that the mistake is."""
+    """Return the place of the mistake according to the pattern, if the pattern marks one."""
     return match.span("here") if "here" in match.re.groupindex and match["here"] is not None else None
 
 

@@ -49,12 +49,12 @@ def refuse_time(word: str, node: Expression, dialect: Dialect) -> Expression:
 
 
 def time_condition_message(word: str, time: str) -> str:
-    """What is wrong with a time behind a word that takes a condition."""
+    """Return the message about a time behind a word that takes a condition."""
     return f"`{word}` takes a condition, and `{time}` is a time"
 
 
 def instead(word: str, time: str, amount: str, *, released: bool) -> str:
-    """What to write for it: in a dialect of the releases the clock counts steps, in others seconds."""
+    """Return the repair: in a dialect of the releases the clock counts steps, in others seconds."""
     in_steps = time.endswith("steps")
     if released:
         clock = "simulation().currentTime" + ("" if in_steps else " * simulation().timestep")

@@ -39,8 +39,9 @@ PARTS = {
 
 @dataclass(frozen=True, slots=True)
 class TextOrigin:
-    """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line; `joined` is what the
-    grammar reads of it, `source` is the text as it was written, where that is a whole file.
+    """The origin of the parsed text: its file, and what to add to its lines and to the columns of its first
+    line; `joined` is the text as the grammar reads it, `source` is the text as it was written, if that is a
+    whole file.
     """
 
     file: str
@@ -69,7 +70,7 @@ class TextOrigin:
 
 
 class BuilderBase:
-    """What every part of the builder knows: where the text stands and which dialect it is written in."""
+    """The base of all parts of the builder: the origin of the text and the dialect in which it is written."""
 
     def __init__(self, origin: TextOrigin, dialect: Dialect) -> None:
         self.origin = origin
@@ -81,7 +82,9 @@ class BuilderBase:
         self.classes = set(BUILT_IN_CLASSES)
 
     def build(self, tree: Tree[Token]) -> Any:
-        """What `tree` means: each rule's method is called on what its children mean, leaves first, without recursion."""
+        """Return the value of `tree`: each rule's method is called on the values of its children, leaves
+        first, without recursion.
+        """
         pending: list[Any] = [tree]
         order: list[Any] = []
         while pending:

@@ -1,4 +1,4 @@
-"""Where files are kept between processes."""
+"""Files that are kept between processes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def cache_place() -> Path:
 
 
 def cache_folder() -> Path | None:
-    """The same, made if need be; None where nothing can be written."""
+    """Return the folder for kept files, made if need be; None if nothing can be written."""
     try:
         folder = cache_place()
         folder.mkdir(parents=True, exist_ok=True)

@@ -26,7 +26,9 @@ def is_installed(package: str) -> bool:
 
 
 def why_missing(package: str, problem: ImportError) -> str:
-    """What is wrong with an optional package whose import failed: it is not installed, or it does not fit the others. Raises a fault of ours."""
+    """Return the reason why an optional package cannot be imported: it is not installed, or it does not fit
+    the others. Raises a fault of ours.
+    """
     if problem.name is not None and problem.name.split(".")[0] == "scenic_ref":
         raise problem
     return f"{package} cannot be imported ({problem})" if is_installed(package) else f"{package} is not installed"

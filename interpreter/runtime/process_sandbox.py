@@ -38,7 +38,7 @@ RUNNING = RunDepth()
 
 
 class Wall:
-    """What is in force in this process; there is one wall, since limits belong to processes."""
+    """The limits in force in this process; there is one wall, since limits belong to processes."""
 
     def __init__(self) -> None:
         self.limits = Limits(None, None)

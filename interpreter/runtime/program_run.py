@@ -73,7 +73,8 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
 
 
 class Beginnings:
-    """Where the attempts of a program begin: the first where it begins, the others where its first draw is made, since all before is the same.
+    """The beginnings of a program's attempts: the first attempt begins with the program, the others at its
+    first draw, since everything before is equal.
 
     Only for attempts without a witness, one after the other: a configuration is gone back to.
     """
@@ -193,7 +194,7 @@ class Rehearsal:
             Rehearsal(self.choose, self.fuel, stuck=True).run(outcome.beyond, outcome.beyond.stack)
 
     def beyond(self, outcome: Stuck) -> Config | None:
-        """Where a run goes on that is stuck."""
+        """Note that the run was stuck, and return the point at which it goes on."""
         self.stuck = True
         return outcome.beyond
 

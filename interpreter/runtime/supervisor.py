@@ -41,7 +41,9 @@ SUPERVISED = ("run", "simulate", "trace", "check")
 
 
 def due_in(seconds: float, number: float) -> bytes:
-    """What the page holds while a task of the child may take so many seconds of processor time from now on."""
+    """Return the content of the page while a task of the child may take some seconds of processor time from
+    now on.
+    """
     return LAYOUT.pack(time.process_time() + seconds, seconds, ON_THE_CLOCK * seconds + 30, number)
 
 
@@ -104,7 +106,9 @@ def has_heard_since(told: int) -> bool:
 
 
 class ChildTask:
-    """What the child is at, and for how long it has been, as far as this process was not stopped itself."""
+    """The current task of the child, and how long it has taken, as far as this process was not stopped
+    itself.
+    """
 
     def __init__(self) -> None:
         self.number = 0.0

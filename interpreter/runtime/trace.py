@@ -227,7 +227,7 @@ def is_in_default(config: Config) -> bool:
 
 
 def assignments(outcome: Outcome, before: State | None, after: State) -> tuple[Assigned, ...]:
-    """What got a value between two states; of σ, which is updated in place, what the outcome says."""
+    """Return the assignments between two states; for σ, which is updated in place, the outcome says which."""
     found: list[Assigned] = []
     if isinstance(outcome, Next) and outcome.change is not None and outcome.change.where == "σ":
         found.append(Assigned("σ", outcome.change.name, trace_text(outcome.change.value)))
@@ -267,7 +267,7 @@ def log_density_of(distribution: Distribution, drawn: object) -> float:
 
 
 def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:
-    """What a step changed, in the paper's notation: O[self.width / 2] and so on."""
+    """Describe the changes of a step in the paper's notation: O[self.width / 2] and so on."""
     if change is not None and change.where == "print":
         return f"prints {change.value}"
     if change is not None and change.name == "order" and isinstance(change.value, tuple):

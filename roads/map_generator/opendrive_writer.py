@@ -73,7 +73,7 @@ class MapWriter:
         child(header, "geoReference").text = GEOREFERENCE
 
     def road(self, road: PlannedRoad) -> None:
-        """A road."""
+        """Write the element of a road."""
         rule, inside = "RHT" if self.hand == 1 else "LHT", -1 if road.junction is None else road.junction
         element = child(self.root, "road", name=f"road {road.id}", length=road.length, id=road.id, junction=inside, rule=rule)
         if road.predecessor or road.successor:
@@ -178,7 +178,7 @@ class MapWriter:
 
 
 def neighbour(link: ET.Element, tag: str, other: Neighbour | None) -> None:
-    """What is before or after a road."""
+    """Write the element for the neighbour before or after a road."""
     if other and other.contact:
         child(link, tag, elementType="road", elementId=other.id, contactPoint=other.contact)
     elif other:

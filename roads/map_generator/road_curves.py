@@ -38,7 +38,7 @@ class Placement:
         return Placement(self.point + complex(ahead, -right) * cmath.exp(1j * self.heading), self.heading)
 
     def reversed(self) -> Placement:
-        """The same point, the other way."""
+        """Return the placement at this point with the opposite heading."""
         return Placement(self.point, self.heading + math.pi)
 
 
@@ -69,7 +69,7 @@ class CubicCurve:
 
     @cached_property
     def coefficients(self) -> tuple[complex, complex, complex]:
-        """Those of p, p² and p³: u + i v."""
+        """The coefficients of p, p² and p³ in u + i v."""
         there = (self.end.point - self.start.point) * cmath.exp(-1j * self.start.heading)
         ahead, at_end = abs(there), abs(there) * cmath.exp(1j * (self.end.heading - self.start.heading))
         return ahead + 0j, 3 * there - 2 * ahead - at_end, ahead + at_end - 2 * there

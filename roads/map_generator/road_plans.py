@@ -58,7 +58,7 @@ class PlannedCrosswalk:
 
 @dataclass(frozen=True)
 class Neighbour:
-    """What a road ends at: an end of another road, or a junction."""
+    """The neighbour at the end of a road: an end of another road, or a junction."""
 
     id: int
     contact: Contact | None = None
@@ -81,7 +81,7 @@ class PlannedRoad:
 
     @property
     def length(self) -> float:
-        """In metres."""
+        """The length of the road, in metres."""
         return sum(piece.length for piece in self.line)
 
 

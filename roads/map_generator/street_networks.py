@@ -37,7 +37,7 @@ BEFORE = 1.0
 
 @dataclass(frozen=True)
 class Style:
-    """What the streets of a map have in common."""
+    """The style that all streets of a map share."""
 
     lanes: int
     lane_width: float

@@ -23,7 +23,7 @@ KINDS = ("behavior", "monitor", "compose", "condition")
 
 
 class Yielded(NamedTuple):
-    """What a coroutine did in a time step: it took these actions, and `rest` is what will go on."""
+    """The result of a coroutine's time step: it took these actions, and `rest` is what will go on."""
 
     actions: tuple[object, ...]
     rest: Suspended
@@ -47,7 +47,7 @@ class Coroutine(NamedTuple):
 
 
 def address_of(who: Who, state: State) -> tuple[int, ...]:
-    """Where the draws of a coroutine are numbered in this time step."""
+    """Return the address from which the draws of a coroutine are numbered in this time step."""
     assert state.simulation is not None
     return (DYNAMIC, state.simulation.step, KINDS.index(who.kind), who.number, who.part)
 

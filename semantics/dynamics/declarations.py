@@ -1,4 +1,6 @@
-"""What scenarios declare for the policy: definitions of behaviors, monitors and scenarios, monitors that run, and conditions over time."""
+"""Declarations of scenarios for the policy: definitions of behaviors, monitors and scenarios, monitors that
+run, and conditions over time.
+"""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class Scenarios(NamedTuple):
 
 
 class Picking(NamedTuple):
-    """What is chosen from: the invocations that are left, with their weights."""
+    """The task of a choice among invocations: those that are left, with their weights."""
 
     node: d.DoChoose | d.DoShuffle
     options: tuple[tuple[Dynamic, object], ...]

@@ -85,7 +85,7 @@ class Entering(NamedTuple):
 
 
 def resume_entering(frame: Entering, result: object, stack: Stack, state: State) -> Outcome:
-    """Check the conditions."""
+    """Check the conditions of the interrupts."""
     return check_interrupts(frame.process, stack, state)
 
 

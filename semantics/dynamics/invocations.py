@@ -50,7 +50,7 @@ def with_arguments(value: object, node: Node, state: State) -> Dynamic:
 
 
 def do(node: d.Do, stack: Stack, state: State) -> Outcome:
-    """What `do B1, ..., Bn [for T | until C]` invokes, and the limit, come first."""
+    """Reduce the invocations of `do B1, ..., Bn [for T | until C]`, and the limit, first."""
     amount = node.limit.amount if isinstance(node.limit, d.TimeLimit) else None
     return premises(node, [*node.invocations, amount], conclude_do, stack, state)
 
@@ -100,7 +100,7 @@ def resume_beginning(frame: Beginning, result: object, stack: Stack, state: Stat
 
 
 def begin_all(task: Begin, stack: Stack, state: State) -> Outcome:
-    """Begin the invocations."""
+    """Begin the invocations of the task."""
     return invoke(task.node, task.invocations, stack, state)
 
 

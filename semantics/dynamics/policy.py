@@ -156,7 +156,7 @@ def never_satisfied(missed: Requirement) -> Stuck:
 
 
 def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
-    """What step 2 looks at: the scenario, the place among its kind, and the requirement."""
+    """Yield the conditions of step 2: the scenario, the place among its kind, and the requirement."""
     simulation = simulation_of(state)
     for number in dict.fromkeys(simulation.active):
         running = simulation.scenarios[number]

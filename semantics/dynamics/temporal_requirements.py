@@ -23,7 +23,7 @@ def over_time(running: Running) -> Iterator[tuple[int, Declared]]:
 
 
 def decision(number: int, place: int, declared: Declared) -> Callable[..., Outcome]:
-    """What becomes of the value of a requirement's condition."""
+    """Return the rule that decides by the value of a requirement's condition."""
     return always if isinstance(declared.node, d.RequireAlways) else partial(eventually, number, place)
 
 

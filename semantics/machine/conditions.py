@@ -71,7 +71,9 @@ def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -
 
 
 def before_operands(operands: Sequence[p.Expression], stack: Stack, state: State) -> tuple[Stack, State]:
-    """Where something random decides whether the operands are reduced, draws within them are numbered apart from those after them."""
+    """Number draws within the operands apart from those after them if something random decides whether the
+    operands are reduced.
+    """
     if state.reading("boolean-random") == "operator" or all(isinstance(operand, (p.Name, p.Constant)) for operand in operands):
         return stack, state
     return numbered_apart(stack, state)

@@ -21,11 +21,11 @@ Properties = Mapping[str, object]
 
 
 class Settings(NamedTuple):
-    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
+    """The constants of a run: readings, importable modules, the machine itself (for calls from host code).
 
-    `elsewhere` has the world models in which a name can be found, and `defined` where the program binds one at its top level, for
-    suggestions. `dialect` is the program's. A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do
-    anything.
+    `elsewhere` has the world models in which a name can be found, and `defined` where the program binds one
+    at its top level, for suggestions. `dialect` is the program's. A `trusted` program may hold and ask
+    anything (`allowed`), since it imports Python code that can do anything.
     """
 
     readings: Mapping[str, str]
@@ -43,7 +43,7 @@ class Settings(NamedTuple):
 
 
 class Captured(NamedTuple):
-    """What holds at a requirement that waits for the end: a copy of σ, `ego` and `workspace`, O."""
+    """The captured state of a requirement that waits for the end: a copy of σ, `ego` and `workspace`, O."""
 
     sigma: Scope
     ego: object
@@ -117,7 +117,7 @@ class State(NamedTuple):
         return self.settings.readings[name]
 
     def property(self, instance: Instance, name: str) -> object:
-        """O(instance.name)."""
+        """Return O(instance.name), the value of a property."""
         return self.objects[instance.number][name]
 
     def with_properties(self, instance: Instance, properties: Properties) -> State:
@@ -126,15 +126,15 @@ class State(NamedTuple):
         return self.with_objects({**self.objects, instance.number: updated})
 
     def with_objects(self, objects: Mapping[int, Properties]) -> State:
-        """The same with another O; what `_replace` does, for the step that is taken most."""
+        """Return the state with another O; equal to `_replace`, but faster, for the most frequent step."""
         return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
     def with_simulation(self, simulation: Simulation) -> State:
-        """The same with another simulation, as `with_objects`."""
+        """Return the state with another simulation; equal to `_replace`, but faster."""
         return tuple.__new__(State, (*self[:SIMULATION], simulation, *self[SIMULATION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
     def in_version(self, version: Version) -> State:
-        """The same in another version."""
+        """Return the state in another version."""
         return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
 

@@ -41,7 +41,9 @@ STEPS = "Range draws any number in between; a whole number is drawn by DiscreteR
 
 
 def place_of_values(node: Node) -> Span:
-    """Where the list stands that a distribution draws from, if it is the only argument, else the whole call."""
+    """Return the place of the list from which a distribution draws, if it is the only argument, else of the
+    whole call.
+    """
     return node.arguments[0].span if isinstance(node, Call) and len(node.arguments) == 1 else node.span
 
 
@@ -63,7 +65,9 @@ def canonical_keywords(keywords: Mapping[str, object], constructor: Constructor)
 
 
 def place_of_weight(node: Node, arguments: tuple[object, ...], number: int | None) -> Span:
-    """Where the weight of that number stands, if the weights are written in the call, else the whole call."""
+    """Return the place of the weight of that number, if the weights are written in the call, else of the
+    whole call.
+    """
     match node:
         case Call(arguments=(DictDisplay(items=items),), keywords=()) if number is not None:
             distinct = isinstance(arguments[0], Sized) and len(arguments[0]) == len(items)
@@ -75,7 +79,9 @@ def place_of_weight(node: Node, arguments: tuple[object, ...], number: int | Non
 
 
 def maker(constructor: Constructor, state: State) -> Callable[..., Distribution]:
-    """What makes the distribution: bounds may stand in either order, or not (reading `reversed-range`)."""
+    """Return the constructor of the distribution: bounds may stand in either order, or not (reading
+    `reversed-range`).
+    """
     if constructor.unordered is not None and state.reading("reversed-range") == "either":
         return constructor.unordered
     return constructor.make
@@ -123,5 +129,5 @@ def resume_apart(frame: Apart, result: object, stack: Stack, state: State) -> Ou
 
 
 def unwind_apart(frame: Apart, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """As above, for an exception."""
+    """Go on numbering the draws after an exception."""
     return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))

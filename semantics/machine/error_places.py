@@ -1,4 +1,4 @@
-"""Where an error in a library module is told: where the program called it."""
+"""The places at which errors in library modules are reported: where the program called the module."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ def caller_in(frames: Iterable[object]) -> Span:
 
 
 def of_program(span: Span, caller: Span) -> tuple[Span, str]:
-    """Where an error is told that was found at `span`, and a hint where that was, if it is in a library module that the program called."""
+    """Return the place at which an error found at `span` is reported, and a hint where it was found, if that
+    is in a library module that the program called.
+    """
     if not span.file.startswith(OF_LIBRARY) or caller == NOWHERE:
         return span, ""
     return caller, f"found on line {span.line} of the library's module {span.file.strip('<>')}"

@@ -265,7 +265,9 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
 
 @contextmanager
 def decided_by(origin: Origin | None, state: State) -> Yielding[None]:
-    """What functions of the program are called with meanwhile depends on the draw, if there is one: they may not change what existed before."""
+    """Mark that the arguments of the program's functions depend on the draw, if there is one, during the
+    block: they may not change what existed before.
+    """
     versions = state.settings.door.budget.versions
     before, versions.given = versions.given, None if state.may_branch else origin
     try:
@@ -280,7 +282,7 @@ def in_list(argument: object) -> object:
 
 
 def admit_host_result(result: object, state: State) -> object:
-    """What host code made, paid for and checked; a number of NumPy's as Python's."""
+    """Return the result of host code, paid for and checked; a number of NumPy's as Python's."""
     if isinstance(result, np.generic):
         return result.item()
     state.settings.door.budget.made(result)

@@ -60,7 +60,7 @@ def expression_of(value: object, seen: dict[int, Expression] | None = None) -> E
 
 
 def expression_for(value: object, seen: dict[int, Expression]) -> Expression:
-    """The same of what was not seen."""
+    """Return the expression for a value that was not seen before."""
     match value:
         case Waiting():
             return value  # pyright: ignore[reportReturnType]: a node that stands where an expression does
@@ -82,7 +82,9 @@ def expression_for(value: object, seen: dict[int, Expression]) -> Expression:
 
 
 def remaining_premises(values: Sequence[object]) -> list[Expression] | None:
-    """What is left to reduce of premises with these values; None if none of them waits."""
+    """Return the expressions that are left to reduce of premises with these values; None if none of them
+    waits.
+    """
     expressions = [expression_of(v) for v in values]
     return None if all(isinstance(e, Constant) for e in expressions) else expressions
 

@@ -53,7 +53,7 @@ class View:
 
     @property
     def position(self) -> Vector:
-        """Metres."""
+        """The position, in metres."""
         return self.reader.property(self.instance, "position")  # type: ignore[return-value]
 
     @property
@@ -78,7 +78,7 @@ class View:
 
     @property
     def view_angle(self) -> float:
-        """Radians."""
+        """The view angle, in radians."""
         return self.reader.property(self.instance, "viewAngle")  # type: ignore[return-value]
 
     @property
@@ -103,7 +103,7 @@ class Reader:
         return result
 
     def property(self, instance: Instance, name: str) -> object:
-        """O(instance.name), without randomness."""
+        """Return O(instance.name) without randomness."""
 
         def of_one(instance: Instance) -> object:
             return self.plain(self.state.objects[instance.number][name])
@@ -137,7 +137,7 @@ class Reader:
                 return value
 
     def heading(self, value: Instance) -> object:
-        """That of an OrientedPoint."""
+        """Return the heading of an OrientedPoint."""
         return self.property(value, "heading")
 
     def vector(self, value: object) -> Vector:
@@ -183,7 +183,9 @@ def always(predicate: Callable[[Any], bool], value: object) -> bool:
 
 
 def symbolic_items(container: object) -> list[object] | None:
-    """What stands for the items of a container that differs from run to run, where a distribution chooses among them; None for any other."""
+    """Return a stand-in for the items of a container that differs from run to run, among which a distribution
+    chooses; None for any other container.
+    """
     return [Spread(container)] if isinstance(container, Symbol) else None
 
 
@@ -193,7 +195,9 @@ def cases(value: object) -> Sequence[tuple[object, object]] | None:
 
 
 def of_cases(value: Any, results: Sequence[object], *, drawn: bool) -> object:
-    """What the results of the `cases` of a value make up. Raises `NotLifted` if there were draws, whose numbers depend on the case."""
+    """Combine the results of the `cases` of a value. Raises `NotLifted` if there were draws, whose numbers
+    depend on the case.
+    """
     if drawn:
         raise NotLifted("a function with draws, or with `and` or `or` of something random, filters a container that differs from run to run")
     return value.of_cases(results)
@@ -304,7 +308,7 @@ def one_of(kinds: Sequence[str]) -> str:
 
 
 def instead_of_point(name: str, value: object, kinds: Collection[str]) -> str:
-    """What to write where a point is given for the region of `in` and `on`."""
+    """Return a repair for a point that is given as the region of `in` and `on`; "" if there is none."""
     if name not in ("`in`", "`on`") or VECTOR in kinds or not is_pair_of_numbers(value):
         return ""
     x, y = map(str, value) if all(type(c) in (int, float) and -MOST_TOLD < c < MOST_TOLD for c in value) else ("x", "y")  # type: ignore[attr-defined]
@@ -316,7 +320,9 @@ MOST_TOLD, LONGEST_TOLD = 1e6, 6
 
 
 def function_without_return(node: Node, state: State) -> str:
-    """What to write in the function whose call gave None; "" where it is not one of the program that is called by its name."""
+    """Return a repair for the function whose call gave None; "" if it is not one of the program that is
+    called by its name.
+    """
     function = value_in_run(state.sigma.lookup(node.function.name)) if isinstance(node, Call) and isinstance(node.function, Name) else None
     if not isinstance(function, Function) or not isinstance(function.body, tuple) or function.span.file != node.span.file:
         return ""
@@ -332,7 +338,7 @@ def is_pair_of_numbers(value: object) -> bool:
 
 
 def repair(value: object, kinds: Collection[str]) -> str:
-    """What to write where one of these kinds is expected and a value is none of them; "" where nothing is likely."""
+    """Return a repair for a value that is none of the expected kinds; "" if nothing is likely."""
     match value:
         case type() if value in AS_IN_SCENIC:
             return f"did you mean {AS_IN_SCENIC[value]}?"
@@ -447,14 +453,14 @@ def in_the_plane(value: object, state: State) -> object:
 
 
 def third_left_out(operand: object, what: str) -> str:
-    """What to do about three numbers: coordinates, or the angles of an orientation."""
+    """Return the repair for three numbers: coordinates, or the angles of an orientation."""
     if what == "`facing`":
         return "write only the first, the yaw"
     return "leave out the third" + ("; for one of the three write `Uniform(*values)`" if isinstance(operand, list) else "")
 
 
 def kind_name(value: object) -> str:
-    """What the user would call a value's type."""
+    """Return the user's name for a value's type."""
     value = value.value if type(value) is Random else value
     if isinstance(value, bool) or value is None:
         return repr(value)

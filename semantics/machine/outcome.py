@@ -1,4 +1,4 @@
-"""What one step of the machine can say (DESIGN, section 1)."""
+"""The outcomes of one step of the machine (DESIGN, section 1)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Requirement(NamedTuple):
 
 
 class Change(NamedTuple):
-    """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.
+    """A change by a step, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.
 
     `instance` is the object some of whose properties were assigned: which, the states before and after tell.
     """
@@ -66,7 +66,9 @@ class Next(NamedTuple):
 
 
 class KnownDraw(NamedTuple):
-    """What a draw is known to give: its value, or, where there are finitely many, at which places among those of the distribution it is."""
+    """The known result of a draw: its value, or, if there are finitely many, its possible places among those
+    of the distribution.
+    """
 
     value: object
     places: tuple[int, ...] | None = None
@@ -81,7 +83,9 @@ class KnownDraw(NamedTuple):
 
 
 class GivenValues(NamedTuple):
-    """What is given of the runs (`Scenario.condition_on`): draws by address, and the values of global parameters at the end, by name."""
+    """The given parts of the runs (`Scenario.condition_on`): draws by address, and the values of global
+    parameters at the end, by name.
+    """
 
     draws: Mapping[tuple[int, ...], KnownDraw] = {}
     params: Mapping[str, object] = {}
@@ -174,7 +178,7 @@ def date_outcome(outcome: Outcome, version: Version) -> Outcome:
 
 
 def in_version_after(resume: Callable[[object], Config], version: Version, drawn: object) -> Config:
-    """What follows a draw, in that version, whatever was stepped since."""
+    """Return the configuration after a draw, in that version, whatever was stepped since."""
     if version.undo:
         version.versions.go_to(version)
     return in_version(resume(drawn), version)

@@ -143,7 +143,9 @@ SHARED = frozenset({"ego", "workspace"})
 
 
 def parameter(name: str, sigma: Scope) -> object:
-    """What a parameter or loop variable that is called `ego` or `workspace` is bound to in a function or comprehension, or MISSING."""
+    """Return the binding of a parameter or loop variable that is called `ego` or `workspace`, in a function
+    or comprehension, or MISSING.
+    """
     scope: Scope | None = sigma
     while scope is not None and scope.kind != "module":
         if scope.kind in ("function", "comprehension") and name in scope.bindings:
@@ -190,6 +192,6 @@ def line_below(node: Name, state: State) -> int:
 
 
 def describe_origin(origin: Origin) -> str:
-    """Where a random value comes from, in words."""
+    """Describe the origin of a random value in words."""
     place = f" (line {origin.span.line})" if origin.span.line else ""
     return f"{origin.text}{place}"

@@ -90,7 +90,9 @@ def taken_over(config: Config) -> Config:
 
 
 def resume_draw(draw: Draw, drawn: object) -> Config:
-    """What follows a draw that is answered. Raises the program's error for a value that contains itself."""
+    """Return the configuration after a draw that is answered. Raises the program's error for a value that
+    contains itself.
+    """
     try:
         return draw.resume(drawn)
     except RecursionError:

@@ -224,7 +224,9 @@ def may_override(name: str, member: object) -> bool:
 
 
 def as_member(name: str, member: object) -> object:
-    """What a class of the program holds under a name: of `LOOKING`, a function that is known for it."""
+    """Return the member that a class of the program holds under a name: of `LOOKING`, a function that is
+    known for it.
+    """
     return replace(member, looks=True) if name in LOOKING and isinstance(member, Function) else member
 
 

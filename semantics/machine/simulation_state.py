@@ -1,4 +1,6 @@
-"""What the state holds while a scenario runs: the time, the scenarios that are running, and the agents with their behaviors."""
+"""The state of a scenario that runs: the time, the scenarios that are running, and the agents with their
+behaviors.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,9 @@ class Declared(NamedTuple):
 
 
 class Overridden(NamedTuple):
-    """What `override` replaced: properties of an object, and the course of its behavior if that is one of them; `order` counts overrides."""
+    """The things that `override` replaced: properties of an object, and the course of its behavior if that is
+    one of them; `order` counts overrides.
+    """
 
     object: Instance
     properties: Mapping[str, object]
@@ -83,7 +87,7 @@ class Running(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """The name of the scenario."""
         return "the top-level scenario" if self.dynamic is None else repr(self.dynamic)
 
 

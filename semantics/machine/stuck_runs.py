@@ -1,4 +1,6 @@
-"""What rules and the library raise where a run cannot go on, and the requirement of which it is then said that it failed."""
+"""Exceptions of rules and of the library for a run that cannot go on, and the requirement that is then said
+to fail.
+"""
 
 from __future__ import annotations
 

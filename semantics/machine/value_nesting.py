@@ -65,7 +65,7 @@ def expanded_size(value: object, seen: dict[int, int] | None = None) -> int:
 
 
 def contained_values(container: Any) -> Iterable[Any]:
-    """What a container holds: of a dictionary the values."""
+    """Return the values in a container: of a dictionary its values, not its keys."""
     return values_of(container) if isinstance(container, dict) else items_of(container)
 
 

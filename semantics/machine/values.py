@@ -1,7 +1,7 @@
-"""What expressions evaluate to: random values, instances, classes, functions (paper, Section "Data Types").
+"""The values of expressions: random values, instances, classes, functions (paper, Section "Data Types").
 
-Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields and regions stand in `vectors`,
-`fields` and `regions`.
+Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields and regions stand in
+`vectors`, `fields` and `regions`.
 """
 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 
 
 class Origin(NamedTuple):
-    """Where a random value comes from: the draw in the source and what was drawn; `distribution` if it is itself a draw."""
+    """The origin of a random value: the draw in the source and what was drawn; `distribution` if it is itself
+    a draw.
+    """
 
     span: Span
     text: str
@@ -371,7 +373,7 @@ class Bound:
         return self.function(self.budget, *self.subject, *arguments, **keywords)
 
     def afresh(self, *arguments: object, **keywords: object) -> object:
-        """The same with a budget of its own, for one call of many rows."""
+        """Call the function with a budget of its own, for one call of many rows."""
         return self.function(Budget(), *self.subject, *arguments, **keywords)
 
     def __repr__(self) -> str:
@@ -411,7 +413,9 @@ class Entries(dict[Any, Any]):
 
 
 class Pairs(NamedTuple):
-    """The same, where no run is looked at: weights of `Discrete`, and nothing else."""
+    """The entries of a dictionary with random keys, where no run is looked at: weights of `Discrete`, and
+    nothing else.
+    """
 
     pairs: list[tuple[object, object]]
 

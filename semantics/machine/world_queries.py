@@ -1,4 +1,6 @@
-"""What behaviors ask about the world: the time, and how far the nearest object is (paper, Section "Dynamic Scenarios")."""
+"""Questions of behaviors about the world: the time, and the distance of the nearest object (paper, Section
+"Dynamic Scenarios").
+"""
 
 from __future__ import annotations
 

@@ -1,1 +1,3 @@
-"""What the language takes over from Python: expressions, calls, functions, control, comprehensions, classes, imports, the parts of the library."""
+"""The parts of the language taken over from Python: expressions, calls, functions, control, comprehensions,
+classes, imports, the library.
+"""

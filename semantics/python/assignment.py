@@ -255,7 +255,7 @@ def augmented_assignment(node: s.AugmentedAssignment, stack: Stack, state: State
 
 
 def conclude_augmented_target(node: s.AugmentedAssignment, parts: list[object], stack: Stack, state: State) -> Outcome:
-    """What stands inside the target is reduced, once: read its value, then reduce the operand."""
+    """Read the target's value, whose inner expressions have been reduced once; then reduce the operand."""
     match node.target:
         case p.Attribute() as target:
             if type(parts[0]) is Random:
@@ -270,7 +270,7 @@ def conclude_augmented_target(node: s.AugmentedAssignment, parts: list[object], 
 
 
 def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Compute and bind."""
+    """Compute the new value and bind it."""
     *parts, current, operand = values
     operation = IN_PLACE[node.operator]
     if any(type(v) is Waiting for v in (current, operand)) and not isinstance(current, CHANGEABLE):

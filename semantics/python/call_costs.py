@@ -1,4 +1,6 @@
-"""What a call of library code costs and may not be given: elements that are gone through, keys that are hashed and compared."""
+"""The costs of calls of library code, and the arguments that they refuse: elements that are gone through,
+keys that are hashed and compared.
+"""
 
 from __future__ import annotations
 

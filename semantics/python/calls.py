@@ -104,7 +104,9 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
 
 
 def place_of_argument(node: p.Call, argument: str | int | None) -> Span | None:
-    """Where an argument of a call stands, by its name or number; None where that is not written in the call."""
+    """Return the place of an argument of a call, by its name or number; None if it is not written in the
+    call.
+    """
     one_by_one = not any(isinstance(a, p.Starred) for a in node.arguments)
     if isinstance(argument, int) and argument < len(node.arguments) and one_by_one:
         return node.arguments[argument].span

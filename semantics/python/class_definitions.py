@@ -1,4 +1,4 @@
-"""Class definitions."""
+"""Definitions of Scenic and Python classes."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
 
 
 def resume_iterating(frame: Iterating, result: object, stack: Stack, state: State) -> Outcome:
-    """What gives the elements is known: the first turn."""
+    """Begin the first turn, now that the source of the elements is known."""
     return next_turn(frame.node, walk_of_for(result, frame.node.iterable, state), stack, state)
 
 
@@ -288,7 +288,7 @@ def forget(frame: Handled, state: State) -> State:
 
 
 def resume_handled(frame: Handled, result: object, stack: Stack, state: State) -> Outcome:
-    """The handler ended."""
+    """Forget the exception after its handler has ended."""
     return Next("", Config(PASS, stack, forget(frame, state)))
 
 

@@ -50,7 +50,9 @@ RUN_BY: Mapping[type, str] = {
 
 
 def lookup_named_value(expression: Node, state: State) -> object:
-    """What the expression names, or what it calls where that is named; MISSING if it is something else, or not bound."""
+    """Return the value that the expression names, or that it calls by name; MISSING if it is something else,
+    or not bound.
+    """
     match expression:
         case e.ObjectOrValue(value=inner) | p.Call(function=inner):
             return lookup_named_value(inner, state)

@@ -115,7 +115,7 @@ def method_of_python(class_: type, name: str, subject: object, state: State) -> 
 
 
 def of_subject(found: Any, subject: object) -> object:
-    """What stands in a class, as its instance sees it."""
+    """Return a member of a class as its instance sees it."""
     return found.__get__(subject, type(subject)) if hasattr(found, "__get__") else found
 
 
@@ -338,7 +338,9 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
 
 
 def resolve_waiting(value: object, state: State) -> object:
-    """What waited for a scenario that has begun since, or what is still missing (reading `names-not-begun=waits`); other values as they are."""
+    """Resolve a value that waited for a scenario that has begun since, or keep it if that is still missing
+    (reading `names-not-begun=waits`); other values as they are.
+    """
     if type(value) is not Waiting or value.missing is None:
         return value
     return get_attribute(value_in_run(resolve_waiting(value.values[0], state)), value.node, state)  # type: ignore[arg-type]
@@ -532,7 +534,7 @@ def unary(node: p.UnaryOperation, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Python's unary operators."""
+    """Apply one of Python's unary operators."""
     operation = UNARY[node.operator]
     return conclude_not(node, operation, values, stack, state) if node.operator == "not" else arithmetic(node, operation, values, stack, state)
 

@@ -35,7 +35,9 @@ class Walk(NamedTuple):
 
 
 def walk(iterable: object, node: Node, state: State) -> object:
-    """What gives the elements of something iterated over, one when it is asked for: a `Walk`, or an iterator of the program."""
+    """Return the source of the elements of something iterated over, one when it is asked for: a `Walk`, or an
+    iterator of the program.
+    """
     if type(iterable) in (list, tuple, range):
         return Walk(iterable)  # type: ignore[arg-type]
     if type(iterable) in (Generator, Metered):

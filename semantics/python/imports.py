@@ -185,7 +185,9 @@ def model(node: s.Model, stack: Stack, state: State) -> Outcome:
 
 
 def public_names(module: Module, node: Node) -> list[str]:
-    """What `*` imports: the names in `__all__`, or if there is none all that do not begin with an underscore. Raises `RunError`."""
+    """Return the names that `*` imports: those in `__all__`, or if there is none all that do not begin with
+    an underscore. Raises `RunError`.
+    """
     listed = module.scope.bindings.get("__all__", MISSING)
     if listed is MISSING:
         return members(module)

@@ -1,4 +1,6 @@
-"""What is iterated over: how many elements there are may not be random, but for functions that nothing branches in (reading `random-length`)."""
+"""Iteration: the number of elements may not be random, but for functions that nothing branches in (reading
+`random-length`).
+"""
 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 # What a program keeps in its containers has no type of ours.

@@ -124,7 +124,7 @@ def listing(make: Callable[..., Iterable[object]]) -> Native:
 
 
 def listed(make: Callable[..., Iterable[object]], *arguments: object, **keywords: object) -> list[object]:
-    """What a lazy builtin gives, as a list."""
+    """Return the elements of a lazy builtin as a list."""
     return list(make(*arguments, **keywords))
 
 
@@ -211,7 +211,9 @@ def metering(
 def metered_items(
     make: Callable[..., Iterator[object]], check: Callable[..., None] | None, budget: Budget, *arguments: object, **keywords: object
 ) -> Metered:  # fmt: skip
-    """What a function of `itertools` gives, paid for item by item. It is no closure, since the state of a run can be saved."""
+    """Return the elements of a function of `itertools`, paid for item by item. It is no closure, since the
+    state of a run can be saved.
+    """
     arguments = tuple(map(in_full, arguments))
     if check is not None:
         check(*arguments, **keywords)

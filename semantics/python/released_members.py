@@ -65,12 +65,12 @@ NORMALISED = Native("normalizeAngle", geometry.normalise_heading)
 
 
 def pair(x: Expression, y: Expression) -> Expression:
-    """(x, y)."""
+    """Return the expression (x, y)."""
     return e.VectorOf(x=x, y=y)
 
 
 def number_constant(x: float) -> Expression:
-    """A number."""
+    """Return the expression for a number."""
     return p.Constant(value=x)
 
 
@@ -428,7 +428,9 @@ def own_name(value: object) -> str | None:
 
 
 def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | None:
-    """What an attribute of a value stands for, if the program does not define it, and whether it is a method."""
+    """Return the rewriting of an attribute of a value, if the program does not define it, and whether it is a
+    method.
+    """
     inner = value_in_run(subject)
     match inner:
         case Instance():

@@ -1,1 +1,3 @@
-"""What a scene is made of: object definitions, specifiers, Algorithm 1, operators, statements, mutation and termination."""
+"""The parts of a scene: object definitions, specifiers, Algorithm 1, operators, statements, mutation and
+termination.
+"""

@@ -105,7 +105,7 @@ def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, st
 
 
 def in_workspace(state: State, o: Instance) -> bool:
-    """boundingBox(o) ⊆ workspace."""
+    """boundingBox(o) ⊆ workspace, the requirement that o is in it."""
     return object_is_in(View(o, Reader(state)), workspace_of(state))
 
 

@@ -63,7 +63,7 @@ class Construction(NamedTuple):
 
     @property
     def specification(self) -> Specification:
-        """s_i."""
+        """The current specification s_i in `order`."""
         return self.order[self.i][0]
 
 
@@ -318,7 +318,7 @@ class Placing(NamedTuple):
 
 
 def draw_point(form: sp.Form, operands: list[object], region: Region, stack: Stack, state: State) -> Outcome:
-    """x = uniformPointIn(R)."""
+    """x = uniformPointIn(R), drawn before the specifier's equation."""
     node = stack[0].specification.node
     try:
         distribution = PointIn(region)

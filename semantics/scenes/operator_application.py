@@ -140,7 +140,9 @@ class Settling(NamedTuple):
 
 
 def reduce_waiting(node: Waiting, stack: Stack, state: State) -> Outcome:
-    """What waited for a position is reduced, with the variables of the place where it stands, and the object whose position is meant here."""
+    """Reduce what waited for a position, with the variables of the place where it stands, and the object
+    whose position is meant here.
+    """
     instance = specified_object(state)
     assert instance is not None
     key = (node, instance.number, None if state.simulation is None else state.simulation.step)
@@ -152,8 +154,8 @@ def reduce_waiting(node: Waiting, stack: Stack, state: State) -> Outcome:
 
 
 def resume_settling(frame: Settling, result: object, stack: Stack, state: State) -> Outcome:
-    """What was drawn for the object is what it is wherever the object mentions it again: an expression is evaluated once (paper, Section
-    "Expressions").
+    """Keep what was drawn for the object wherever the object mentions it again: an expression is evaluated
+    once (paper, Section "Expressions").
     """
     if state.draws != frame.draws:
         now = frame.key[2]
@@ -173,7 +175,7 @@ def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tup
 
 
 def heading_property(heading: object, reader: Reader) -> object:
-    """What the property heading is: the number, or the angle in (-π, π] (reading `heading-property`)."""
+    """Return the property heading: the number, or the angle in (-π, π] (reading `heading-property`)."""
     return compute(normalise_heading, [heading], reader) if reader.state.reading("heading-property") == "wrapped" else heading
 
 

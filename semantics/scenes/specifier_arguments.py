@@ -35,7 +35,9 @@ def arguments_of(node: Node) -> list[Node]:
 
 
 def describe(node: Node, arguments: Sequence[object], state: State) -> Specification:
-    """What a specifier specifies, optionally or not, and its dependencies, from the kinds of its arguments; one that waits needs the position."""
+    """Return the specification of a specifier: the properties it specifies, optionally or not, and its
+    dependencies, from the kinds of its arguments; one that waits needs the position.
+    """
     name, late = sp.specifier_name(node), any(map(waits, arguments))
     waiting = ("position",) if late else ()
     if isinstance(node, q.WithSpecifier):

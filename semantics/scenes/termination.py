@@ -1,7 +1,8 @@
-"""What drives the two termination rules (Figure "Semantics of statements"): `mutation` is Step 1, `default_requirements` Step 2.
+"""The driver of the two termination rules (Figure "Semantics of statements"): `mutation` is Step 1,
+`default_requirements` Step 2.
 
-⟨pass, σ, π, O⟩ becomes ⟨Done, σ, π, O'⟩ by Step 1 and (π, O') by Step 2. Objects before number `since` have been through this already, when a
-scenario that runs has made others (reading `dynamic-objects`).
+⟨pass, σ, π, O⟩ becomes ⟨Done, σ, π, O'⟩ by Step 1 and (π, O') by Step 2. Objects before number `since` have
+been through this already, when a scenario that runs has made others (reading `dynamic-objects`).
 """
 
 from __future__ import annotations

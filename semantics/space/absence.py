@@ -1,4 +1,6 @@
-"""What a library says of something that does not exist, where the run is to be rejected (the plain forms of the driving library)."""
+"""The exception of a library for something that does not exist, where the run is to be rejected (the plain
+forms of the driving library).
+"""
 
 from __future__ import annotations
 

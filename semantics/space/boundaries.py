@@ -1,9 +1,12 @@
-"""Where a boundary is, in arithmetic that is not exact: the one tolerance by which sets of points are closed (reading `boundaries`).
+"""Boundaries in arithmetic that is not exact: the one tolerance by which sets of points are closed (reading
+`boundaries`).
 
-Regions, visible regions, bounding boxes and the cells of vector fields are closed sets of the plane. A point that lies on the boundary of one,
-as written, is computed to lie beside it as often as not, some 1e-16 of its coordinates away. So what comes within `METRES` of a
-closed set is in it, or meets it: far more than rounding, for coordinates up to 1e7 m, and far less than anything that a scene is about. Open
-sets (reading `touching=allow`) lose as much. Comparisons of numbers in a program are not about sets of points, and remain exact.
+Regions, visible regions, bounding boxes and the cells of vector fields are closed sets of the plane. A point
+that lies on the boundary of one, as written, is computed to lie beside it as often as not, some 1e-16 of its
+coordinates away. So what comes within `METRES` of a closed set is in it, or meets it: far more than rounding,
+for coordinates up to 1e7 m, and far less than anything that a scene is about. Open sets (reading
+`touching=allow`) lose as much. Comparisons of numbers in a program are not about sets of points, and remain
+exact.
 
 Every backend computes with these predicates, or with polygons that are widened here.
 """
@@ -40,17 +43,17 @@ def grid_for(*shapes: BaseGeometry) -> float | None:
 
 
 def unite_shapes(shapes: Sequence[BaseGeometry]) -> BaseGeometry:
-    """The union."""
+    """Return the union of shapes."""
     return shapely.union_all(shapes, grid_size=grid_for(*shapes))  # type: ignore[arg-type]
 
 
 def common(first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
-    """The intersection."""
+    """Return the intersection of shapes."""
     return shapely.intersection(first, second, grid_size=grid_for(first, second))
 
 
 def without(first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
-    """The difference."""
+    """Return the difference of shapes."""
     return shapely.difference(first, second, grid_size=grid_for(first, second))
 
 

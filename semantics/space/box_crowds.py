@@ -65,7 +65,7 @@ def crowd_meets(closed: bool, *numbers: float) -> bool:
 
 
 def row_meets(boxes: np.ndarray, closed: bool) -> bool:
-    """The same for the boxes of one scene: an array (`NUMBERS`, boxes)."""
+    """Return whether any two of the boxes of one scene share a point: an array (`NUMBERS`, boxes)."""
     x, y, c, s, half_width, half_length = boxes
     i, j = close_pairs(x, y, 2 * half_width, 2 * half_length)
     test = turned_boxes_intersect if closed else turned_boxes_overlap

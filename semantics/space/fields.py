@@ -71,7 +71,7 @@ class VectorField:
         return number
 
     def stepping(self, steps: int | None, size: float | None) -> VectorField:
-        """This field, along which forwardEuler takes so many steps, or steps of at most this size."""
+        """Return the field with which forwardEuler takes so many steps, or steps of at most this size."""
         changed = copy(self)
         VectorField.__init__(changed, self.name, self.value, self.minSteps if steps is None else steps, None if steps is not None else size)
         return changed

@@ -50,7 +50,7 @@ def angle_of(v: Vector) -> float:
 
 
 def vector_norm(v: Vector) -> float:
-    """|v|, in metres."""
+    """The norm |v|, in metres."""
     return plain_float(np.hypot(real(v.x), real(v.y)))
 
 
@@ -120,7 +120,9 @@ def turned_boxes_intersect(offset: Vector, turn1: Vector, half1: Vector, turn2: 
 
 @macro
 def turned_boxes_overlap(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
-    """The same for open boxes."""
+    """`boxes_intersect` for open boxes with their centres `offset` apart; of each the cosine and sine of the
+    heading, and half its size.
+    """
     return _not_separated(operator.lt, -METRES, offset, turn1, half1, turn2, half2)
 
 

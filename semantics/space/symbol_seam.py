@@ -35,7 +35,7 @@ class Listed:
 
 
 class Symbol(ABC):
-    """What a value is in many scenes, or in all."""
+    """A value in many scenes, or in all, as a symbol."""
 
     __slots__ = ()
 
@@ -53,7 +53,7 @@ class Symbol(ABC):
 
     @abstractmethod
     def number(self) -> Any:
-        """This as a symbol for floats."""
+        """Return this value as a symbol for floats."""
 
     @abstractmethod
     def pick(self, values: Sequence[object]) -> Any:

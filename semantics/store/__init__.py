@@ -1,1 +1,3 @@
-"""What the machine changes in place, and how that is taken back; scopes, sets, generators, classes; the errors that a user can meet."""
+"""The store: changes in place and their undoing; scopes, sets, generators, classes; the errors that a user
+can meet.
+"""

@@ -1,7 +1,8 @@
-"""What a run may use up: one budget for everything that host code does and makes on the program's behalf.
+"""The budget of a run: one limit for everything that host code does and makes on the program's behalf.
 
-The steps of the machine are counted by whoever drives it (`fuel`). A host call is one step, however much it does; so it pays here for what it
-goes through and for what it makes, in units that are about a byte of memory or a nanosecond or two.
+The steps of the machine are counted by whoever drives it (`fuel`). A host call is one step, however much it
+does; so it pays here for what it goes through and for what it makes, in units that are about a byte of memory
+or a nanosecond or two.
 """
 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false

@@ -126,7 +126,7 @@ def count_of(entry: tuple[Any, Any]) -> Any:
 
 
 def as_counter(counts: Any) -> Any:
-    """What an operator of Python's gave, as a counter of ours."""
+    """Return the result of an operator of Python's as a counter of ours."""
     if not isinstance(counts, dict):
         return counts
     made = Counter()

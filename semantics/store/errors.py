@@ -159,7 +159,7 @@ class FuelExhausted(RunError):
 
 
 class OutOfTime(FuelExhausted):
-    """What the program does took more processor time than it may."""
+    """Raised when the work of the program takes more processor time than it may."""
 
 
 class Gap(ScenicError):

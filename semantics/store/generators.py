@@ -11,7 +11,7 @@ from .undo_log import Slot
 
 
 class Exhausted:
-    """What `next` finds behind the last element."""
+    """The marker that `next` finds behind the last element."""
 
     def __reduce__(self) -> str:
         return "EXHAUSTED"

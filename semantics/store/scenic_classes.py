@@ -51,7 +51,9 @@ class ScenicClass:
 
     @cached_property
     def lineage(self) -> tuple[ScenicClass, ...]:
-        """This class, its superclasses, and so on up to Point: in Python's order of resolution. Raises TypeError if there is none."""
+        """The class, its superclasses, and so on up to Point: in Python's order of resolution. Raises
+        TypeError if there is none.
+        """
         return (self, *merge_linearisations([*(list(c.lineage) for c in self.superclasses), list(self.superclasses)]))
 
     @cached_property
@@ -62,7 +64,9 @@ class ScenicClass:
 
     @cached_property
     def defaults_in_releases(self) -> Mapping[str, tuple[Node, ScenicClass]]:
-        """The same where Point has `visibleDistance` in place of `viewDistance` (reading `view-distance`)."""
+        """The defaults where Point has `visibleDistance` in place of `viewDistance` (reading
+        `view-distance`).
+        """
         own = {"viewDistance": "visibleDistance"}
         return {own.get(name, name) if c.built_in else name: (v, c) for name, (v, c) in self.defaults.items()}
 
@@ -103,7 +107,9 @@ def merge_linearisations(orders: list[list[ScenicClass]]) -> Iterator[ScenicClas
 
 @dataclass(frozen=True, slots=True)
 class Above:
-    """What `super()` is in a method of one of the classes of a value: the value, as its classes above that one see it."""
+    """The value of `super()` in a method of one of the classes of a value: the value, as its classes above
+    that one see it.
+    """
 
     subject: object
     classes: tuple[ScenicClass | type, ...]

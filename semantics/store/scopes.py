@@ -53,7 +53,7 @@ class Scope:
 
     @classmethod
     def of_call(cls, around: Scope, names: Names, bindings: dict[str, object]) -> Scope:
-        """That of a function which runs: as `Scope("function", around, names, bindings)`."""
+        """Return the scope of a function that runs: as `Scope("function", around, names, bindings)`."""
         scope = cls.__new__(cls)
         scope.kind, scope.parent, scope.versions, scope.package = "function", around, around.versions, "."
         scope.names, scope.bindings = names, bindings
@@ -96,7 +96,7 @@ class Scope:
         return scope
 
     def bind(self, name: str, value: object) -> None:
-        """σ[name / value]."""
+        """Update the scope to σ[name / value]."""
         self.home(name).put(name, value)
 
     def put(self, name: str, value: object) -> None:
@@ -139,7 +139,9 @@ class ByIdentity:
 
 
 def function_names(node: Node) -> Names:
-    """What the body of a function, lambda, behavior, monitor or scenario binds, its parameters included."""
+    """Return the names that the body of a function, lambda, behavior, monitor or scenario binds, its
+    parameters included.
+    """
     return _function_names(ByIdentity(node))
 
 

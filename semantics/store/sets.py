@@ -35,7 +35,7 @@ class Set(set[Any]):
         return type(self), (list(self.order),)
 
     def renewed(self, order: dict[Any, None]) -> None:
-        """Hold these elements."""
+        """Replace the elements by these, in order."""
         super().clear()
         super().update(order)
         self.order = order

@@ -1,9 +1,12 @@
-"""What `step` changes in place, and how that is taken back: so a configuration can be stepped again, whatever was stepped since.
+"""Changes in place by `step`, and their undoing: so a configuration can be stepped again, whatever was
+stepped since.
 
-Python's functions close over variables and its lists are shared, so scopes and containers of a program are updated in place. Each change is
-noted first. The states of a run form a tree of versions: the current one is what stands in memory, and every other knows what leads back to it
-from the next version on the way to the current one (the rerooting of Baker, "Shallow binding makes functional arrays fast", 1991). Going on
-costs one note per change; a version that no configuration holds any more is forgotten, and a run that is driven to its end forgets where it began.
+Python's functions close over variables and its lists are shared, so scopes and containers of a program are
+updated in place. Each change is noted first. The states of a run form a tree of versions: the current one is
+what stands in memory, and every other knows what leads back to it from the next version on the way to the
+current one (the rerooting of Baker, "Shallow binding makes functional arrays fast", 1991). Going on costs one
+note per change; a version that no configuration holds any more is forgotten, and a run that is driven to its
+end forgets where it began.
 """
 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
@@ -61,7 +64,9 @@ class Version:
         return found is not None
 
     def begun_anew(self) -> Version:
-        """This version, standing in memory with nothing behind it: older configurations, and those that went on from it, cannot be stepped again."""
+        """Return the version as it stands in memory with nothing behind it: older configurations, and those
+        that went on from it, cannot be stepped again.
+        """
         if self.undo:
             self.versions.go_to(self)
         return self.versions.begin_anew()
@@ -137,7 +142,7 @@ EVERYTHING = Everything()
 
 
 class Forgotten(NamedTuple):
-    """That a version cannot be gone back to."""
+    """The marker of a version to which nothing can go back."""
 
     def undo(self) -> Forgotten:
         """Never asked for: nothing leads here."""

@@ -1,4 +1,4 @@
-"""What every node of the syntax tree is: a frozen record with a place in the source."""
+"""The base of all nodes of the syntax tree: frozen records with a place in the source."""
 
 from __future__ import annotations
 

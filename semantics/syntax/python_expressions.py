@@ -17,7 +17,7 @@ class Constant(Expression):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Name(Expression):
-    """A variable."""
+    """A variable, given by its name."""
 
     name: str
 

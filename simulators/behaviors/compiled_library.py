@@ -1,4 +1,6 @@
-"""What is compiled of a program: each behavior, monitor and condition once, however many simulations there are."""
+"""The compiled code of a program: each behavior, monitor and condition once, however many simulations there
+are.
+"""
 
 from __future__ import annotations
 
@@ -75,7 +77,7 @@ class FunctionCode(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FunctionKey:
-    """What a function or lambda says, as a key of a cache: two keys are equal if it is the same that says it."""
+    """A function or lambda as a key of a cache; keys are equal if their bodies begin with the same node."""
 
     body: Block | Node
     parameters: tuple[Parameter, ...]
@@ -106,15 +108,18 @@ def function_code(key: FunctionKey, scopes: str, readings: tuple[tuple[str, str]
 
 
 def scopes_of(scope: Scope) -> str:
-    """Where the variables are that a function sees whose scope is within this one (`statements.function_body`)."""
+    """Return where a function whose scope is within this one finds its variables
+    (`statements.function_body`).
+    """
     if scope.kind == "module":
         return SCOPES
     return OF_METHOD if scope.kind == "class" and scope.parent is not None and scope.parent.kind == "module" else ""
 
 
 class Library:
-    """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), functions
-    (`functions_left`, by what they are; in `nanoseconds` how long the machine ran them), whole simulations (`wholes`, with how many).
+    """The compiled code of a program under its `readings`, and the parts left to the machine, with the
+    reason: coroutines (`left`), functions (`functions_left`, by what they are; in `nanoseconds` how long the
+    machine ran them), whole simulations (`wholes`, with how many).
 
     It is not `usable` under readings that only the machine follows.
     """

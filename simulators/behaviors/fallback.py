@@ -1,14 +1,17 @@
-"""What compiled code leaves to the machine: a kind of coroutine, or a whole simulation, which is then run again from its beginning.
+"""The work that compiled code leaves to the machine: a kind of coroutine, or a whole simulation, which is
+then run again from its beginning.
 
-A simulation is a function of the program, the seed and its number, so that the machine finds the same one, with the same error where there is one;
-but Python code that a program with `--trust` calls has run once before.
+A simulation is a function of the program, the seed and its number, so that the machine finds the same one,
+with the same error where there is one; but Python code that a program with `--trust` calls has run once
+before.
 """
 
 from __future__ import annotations
 
 
 class LeftToMachine(Exception):
-    """This simulation has something that only the machine knows: an error of the program, or what is not compiled (`reason`).
+    """Raised when a simulation needs the machine: for an error of the program, or for code that is not
+    compiled (`reason`).
 
     `again`: a coroutine of it is left to the machine from now on, and the others need not be.
     """

@@ -155,7 +155,7 @@ class Courses(Calls):
     # do
 
     def invocations(self, node: Node, values: Sequence[Any]) -> list[Dynamic]:
-        """What `do` invokes: behaviors. Raises `LeftToMachine` for anything else."""
+        """Return the invocations of a `do`, which are behaviors. Raises `LeftToMachine` for anything else."""
         found = [with_arguments(value, node, self.state) for value in values]
         if self.who.kind != "behavior" or not all(isinstance(one.definition, d.BehaviorDefinition) for one in found):
             raise LeftToMachine("`do` with something that is no behavior")
@@ -230,7 +230,7 @@ class Courses(Calls):
     # do choose, do shuffle
 
     def options(self, node: Node, values: Sequence[Any], weights: Sequence[Any]) -> list[tuple[Dynamic, Any]]:
-        """What is chosen from, with its weights."""
+        """Return the invocations to choose from, with their weights."""
         return list(zip(self.invocations(node, values), weights, strict=True))
 
     def pick(self, caller: Invocation, node: d.DoChoose | d.DoShuffle, options: list[tuple[Dynamic, Any]], limited: bool) -> Course:

@@ -176,7 +176,7 @@ def known_call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, An
 
 
 def attempt_host_call(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
-    """What host code gives, or `SLOWLY` if it raises."""
+    """Return the result of host code, or `SLOWLY` if it raises or gives a value that is not known."""
     try:
         found = function(*arguments, **named)
     except OutOfTime:

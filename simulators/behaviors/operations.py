@@ -133,7 +133,7 @@ class Equations:
         return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=depth, version=version)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
-        """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""
+        """Return the value to which the machine reduces a node. Raises `LeftToMachine`, `RunRejected`."""
         base = self.base(scope)
         return self.settled(step, taken_over(Config(control, base, self.here(scope))), base)
 
@@ -189,7 +189,9 @@ class Equations:
         return self.settled(lambda config: first.pop() if first else step(config), Config(Value(None), (), state), base)
 
     def answered(self, draw: Draw) -> Outcome:
-        """What follows a draw; one that only the machine's loop knows how to answer, or to refuse, stays as it is."""
+        """Return the outcome after a draw; a draw that only the machine's loop can answer, or refuse, stays
+        as it is.
+        """
         try:
             drawn = self.choose(draw)
         except (EmptyRegion, UnboundedRegion):
@@ -236,7 +238,7 @@ class Equations:
             return value_in_run(self.concluded(scope, conclude_binary, node, [base, exponent]))
 
     def unary(self, scope: Scope, node: p.UnaryOperation, operand: Any) -> Any:
-        """⟨⊖E⟩ → ⊖v."""
+        """⟨⊖E⟩ → ⊖v, computed directly for plain numbers and truth values."""
         if node.operator == "-" and type(operand) in NUMBERS:
             return -operand
         if node.operator == "not" and type(operand) is bool:
@@ -498,7 +500,7 @@ class Calls(Equations):
         return self.call(scope, node, function, arguments)
 
     def method(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
-        """What `E.name(...)` calls."""
+        """Return the value that `E.name(...)` calls."""
         if type(subject) is Instance and name not in self.state.objects[subject.number]:
             found = subject.class_.method(node.name)
             if type(found) is Function:
@@ -524,7 +526,9 @@ class Calls(Equations):
     # Containers
 
     def elements(self, scope: Scope, node: Node, iterable: Any) -> Any:
-        """What a loop goes through: a list or tuple, which may grow, a range, or the elements of anything else, one by one."""
+        """Return the elements of a loop: a list or tuple, which may grow, a range, or the elements of
+        anything else, one by one.
+        """
         if type(iterable) in (list, tuple, range, zip, enumerate):
             return iterable
         return self.elements_one_by_one(scope, node, iterable)
@@ -579,7 +583,7 @@ class Calls(Equations):
         return self.concluded(scope, conclude_subscript, node, [subject, index])
 
     def part(self, scope: Scope, node: p.Subscript, subject: Any, *places: Any) -> Any:
-        """⟨E[I:J:K]⟩ → c[i:j:k]."""
+        """⟨E[I:J:K]⟩ → c[i:j:k], computed directly for lists and tuples with whole numbers."""
         if type(subject) in (list, tuple) and all(type(place) in (int, NoneType) for place in places) and places[2] != 0:
             return subject[slice(*places)]
         return self.concluded(scope, conclude_subscript, node, [subject, *places])
@@ -614,7 +618,9 @@ class Calls(Equations):
 
 
 def class_member(class_: type, name: str) -> Any:
-    """What a class of the program, or one above it, has under a name; None if nothing."""
+    """Return the member that a class of the program, or one above it, has under a name; None if there is
+    none.
+    """
     return next((vars(one)[name] for one in class_.__mro__ if name in vars(one)), None)
 
 

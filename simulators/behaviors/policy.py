@@ -85,7 +85,7 @@ class CompiledPolicy(Courses):
 
     @guard_run
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
-        """What happens in a time step, as `policy.policy` says it, in a state whose objects the simulator has updated.
+        """Run a time step, as `policy.policy` does, in a state whose objects the simulator has updated.
 
         What compiled code changes in place is noted in one version until the machine goes on with it.
         """
@@ -95,7 +95,7 @@ class CompiledPolicy(Courses):
         return outcome._replace(state=outcome.state.in_version(outcome.state.version.versions.settled()))
 
     def time_step(self, state: State, limit: str) -> Act | Finish | Stuck:
-        """The same, in the version in which the time step began."""
+        """Run a time step in the version in which it began."""
         if simulation_of(state).step == 0:
             state = state.in_version(state.version.begun_anew())  # nothing stands in memory that an attempt before has changed
         active = (TOP,) if self.simple else ()
@@ -194,7 +194,7 @@ class CompiledPolicy(Courses):
         return self.library.condition(node, declared.scope, decides=decides)(self, declared.scope)
 
     def requirements(self) -> Stuck | None:
-        """Step 2."""
+        """Step 2: check the requirements over time, and record values."""
         simulation = simulation_of(self.state)
         for number in dict.fromkeys(simulation.active):
             running = simulation.scenarios[number]
@@ -230,7 +230,7 @@ class CompiledPolicy(Courses):
         self.state = rules.conclude_record(node, value, (), self.state).config.state  # type: ignore[union-attr]
 
     def monitors(self) -> None:
-        """Step 3."""
+        """Step 3: run the monitors, and forget scenarios that are over."""
         simulation = simulation_of(self.state)
         for number in dict.fromkeys(simulation.active):
             for place in range(len(simulation.scenarios[number].monitors)):
@@ -334,7 +334,7 @@ class CompiledPolicy(Courses):
         return rules.first_step(behavior, instance.span, self.own())
 
     def advanced(self, process: CompiledCourse) -> Any:
-        """What a compiled coroutine does in this time step: its actions, ENDED or TERMINATED."""
+        """Run a compiled coroutine in this time step; return its actions, ENDED or TERMINATED."""
         self.handling = ()
         try:
             actions = next(process.course)
@@ -380,7 +380,7 @@ class CompiledPolicy(Courses):
         return found
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
-        """Where an object has taken its actions: the machine finds the same error, and tells it."""
+        """Raise `LeftToMachine`: the machine finds the same error, and reports it with its place."""
         raise LeftToMachine("an action that its agent cannot take")
 
 

@@ -160,7 +160,7 @@ class Expressions:
         return f"{name}(S, {first})"
 
     def reduced(self, node: Node) -> str:
-        """What the machine reduces a node to."""
+        """Return the code for the value to which the machine reduces a node."""
         return self.without_origin(f"q.reduced(S, {self.constant(node)})")
 
     def without_origin(self, source: str) -> str:
@@ -182,7 +182,9 @@ class Expressions:
         return f"q.item(S, {self.constant(node)}, {container}, {self.value(index)})"
 
     def iterable(self, node: Node) -> str:
-        """What a loop goes through: rows of `zip` and `enumerate` need not be made by the machine, since nobody else asks for them."""
+        """Return the code for the elements of a loop: the machine need not make the rows of `zip` and
+        `enumerate`, since nobody else asks for them.
+        """
         match node:
             case p.Call(function=p.Name() as function, keywords=()) if self.is_translated_call(node) and node.arguments:
                 f, arguments = self.temporary(), "".join(f"{self.carried(a)}, " for a in node.arguments)

@@ -134,7 +134,7 @@ def _bezier(control: tuple[tuple[float, float], ...]) -> np.ndarray:
 def _crossing_point(
     north_south: tuple[float, float, float, float], east_west: tuple[float, float, float, float]
 ) -> tuple[float, float]:  # fmt: skip
-    """Where two centre lines cross, by iteration (both are nearly straight)."""
+    """Return the point at which two centre lines cross, by iteration (both are nearly straight)."""
     x, y = np.array(north_south[0]), np.array(east_west[0])
     for _ in range(20):
         x, y = _winding_coordinate(north_south, y), _winding_coordinate(east_west, x)

@@ -275,7 +275,7 @@ def error_json(error):
 
 
 def describe_release():
-    """What this implementation says of itself."""
+    """Describe this implementation for the protocol."""
     version = getattr(scenic, "__version__", None)
     if version is None:
         from importlib.metadata import version as installed
@@ -338,7 +338,7 @@ class Child:
             )
 
     def close(self):
-        """End it."""
+        """End the child process."""
         os.close(self.requests)
         os.close(self.ended)
         if self.alive:

@@ -35,7 +35,9 @@ from .scene_lines import Numbers, attempts_of, coordinates, floats, normalise_he
 
 
 class Tables:
-    """What makes the tables of a program's scenes, block by block; what is the same in all scenes is looked at once."""
+    """The maker of tables of a program's scenes, block by block; values that are equal in all scenes are
+    examined once.
+    """
 
     def __init__(self, template: Template) -> None:
         self.template = template
@@ -77,12 +79,12 @@ class Tables:
 
 
 def varying_columns(part: str, values: Mapping[str, object]) -> dict[str, object]:
-    """Those properties or parameters that are not the same in all scenes, by their columns."""
+    """Return the properties or parameters that differ between scenes, by their columns."""
     return {column_name(part, name): value for name, value in values.items() if symbols_in(value)}
 
 
 def fixed_of(template: Template, number: int) -> TableColumns:
-    """What is the same in all scenes of an object and the parameters: columns of one row."""
+    """Return the values of an object and the parameters that are equal in all scenes: columns of one row."""
     o = template.objects[number]
     found = {"object": number, "ego": number == template.ego_id, "name": o.name, "class": o.class_name}
     for part, values in (("properties", others(o)), ("params", template.params)):

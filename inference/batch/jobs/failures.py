@@ -1,4 +1,4 @@
-"""What other processes tell of the error that ended their work, and how work is divided among them."""
+"""Reports of other processes about the error that ended their work, and the division of work among them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class FailedDraw(NamedTuple):
 
     @property
     def error(self) -> ScenicError:
-        """The error itself."""
+        """The error, rebuilt with its attributes."""
         found = self.kind.__new__(self.kind, self.attributes["message"])
         found.__dict__.update(self.attributes)
         return found

@@ -56,7 +56,7 @@ class Shelf:
         return f"{OPEN_FILES.format(os.getpid())}/{self.lent[-1]}"
 
     def read(self, size: int) -> LaidText:
-        """What stands in the first of the files that are lent, until that is put back."""
+        """Return the text in the first of the lent files; it stands until the file is put back."""
         return LaidText(self.lent[0], size)
 
     def put_back(self) -> None:

@@ -43,9 +43,10 @@ class Written(NamedTuple):
 
 
 class Lines:
-    """What makes the lines of a program's scenes, block by block.
+    """The maker of lines of a program's scenes, block by block.
 
-    Once that has taken as long as compiling is expected to take, or will by what is known of its pace, compiled code does the rest.
+    Once that has taken as long as compiling is expected to take, or will by what is known of its pace,
+    compiled code does the rest.
     """
 
     def __init__(self, template: Template) -> None:
@@ -89,7 +90,7 @@ def lines_of(template: Template, block: Block, seed: int) -> bytes:
 
 
 def lines_by(rows: CompiledRows, template: Template, block: Block, seed: int) -> Iterator[bytes | memoryview]:
-    """The same by compiled code, some at a time, which are good until the next are asked for."""
+    """Yield the lines by compiled code, some at a time; each piece is valid until the next is asked for."""
     others, done = sorted(block.others), 0
     for text, ends in rows.joined(merged(pieces_of(template, block, seed)), len(block.rows)):
         start, indices = 0, block.rows[done : done + len(ends)]
@@ -155,7 +156,7 @@ def as_given(values: Numbers) -> Numbers:
 
 
 def floats_of(values: Numbers) -> np.ndarray:
-    """Numbers as floats."""
+    """Return numbers as an array of floats."""
     return np.array(values, dtype=float)
 
 

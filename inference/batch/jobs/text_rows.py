@@ -27,7 +27,7 @@ def number_texts(values: np.ndarray) -> list[str]:
 
 @cache
 def quick_dumps() -> Callable[[np.ndarray], bytes] | None:
-    """What writes an array of numbers quickly; None without orjson."""
+    """Return the function that writes an array of numbers quickly; None without orjson."""
     try:
         import orjson
     except ImportError:

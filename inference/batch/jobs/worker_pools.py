@@ -127,9 +127,10 @@ LOOK = 1.0
 
 @dataclass(frozen=True)
 class Workers:
-    """What does jobs, and how many at a time; `here` where all of it are processes of this machine.
+    """The workers that do jobs, and how many they do at a time; `here` if all are processes of this machine.
 
-    `unread` gets the results that are there when no more are asked for; `look` is called once a second while one is waited for.
+    `unread` gets the results that are there when no more are asked for; `look` is called once a second while
+    one is waited for.
     """
 
     pool: Executor

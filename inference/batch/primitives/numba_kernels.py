@@ -1,7 +1,8 @@
-"""What the compiled evaluators call, compiled by numba: random numbers, and tests of points and boxes against polygons.
+"""Kernels of the compiled evaluators, compiled by numba: random numbers, and tests of points and boxes
+against polygons.
 
-The tests are those of `polygons`, one point at a time. `UNSURE` means that an edge is too near for rounding: the run is then left to the
-interpreter.
+The tests are those of `polygons`, one point at a time. `UNSURE` means that an edge is too near for rounding:
+the run is then left to the interpreter.
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ class PolygonTests:
         return inside
 
     def covers_box(self, x: float, y: float, heading: float, width: float, length: float) -> bool:
-        """What shapely says about one box."""
+        """Return shapely's answer for one box."""
         from ....semantics.space.regions.approximation import box_shape
         from ....semantics.space.vectors import Vector
 

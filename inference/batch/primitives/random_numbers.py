@@ -41,7 +41,7 @@ class Numbers:
         self.attempt = int(attempts[0]) if len(attempts) and (attempts == attempts[0]).all() else None
 
     def copy(self) -> Numbers:
-        """The same numbers, from which rows can be left out apart."""
+        """Return a copy from which rows can be left out independently."""
         return Numbers(self.seed, self.scenes, self.attempts)
 
     def stream(self, row: int, address: tuple[int, ...], per_scene: bool) -> Callable[[], float]:

@@ -1,4 +1,4 @@
-"""What all distributions have in common: their interface, and the error for wrong parameters."""
+"""The parts that all distributions share: their interface, and the error for wrong parameters."""
 
 from __future__ import annotations
 

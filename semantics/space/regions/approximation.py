@@ -40,7 +40,7 @@ class Approximation:
 
 
 class Approximable(Protocol):
-    """What can be approximated, as `Region.approximate` says."""
+    """A set that can be approximated, as `Region.approximate` says."""
 
     def approximate(self, sides: int, window: Polygon) -> Approximation:
         """Shapes inside and around the set."""

@@ -1,4 +1,4 @@
-"""What can be wrong with a region: no point to choose, too many points, or no region at all."""
+"""Errors of regions: no point to choose, too many points, or no region at all."""
 
 from __future__ import annotations
 

@@ -39,7 +39,9 @@ def complement(intervals: Intervals) -> Intervals:
 
 
 def where_nonnegative(at_start: float, at_end: float) -> Intervals:
-    """Where a function that is linear in t, with these values at t = 0 and t = 1, is at least 0."""
+    """Return the intervals of t on which a linear function with these values at t = 0 and t = 1 is at least
+    0.
+    """
     if at_start >= 0 and at_end >= 0:
         return ALL
     if at_start < 0 and at_end < 0:
@@ -49,7 +51,9 @@ def where_nonnegative(at_start: float, at_end: float) -> Intervals:
 
 
 def where_within_disc(x: float, y: float, dx: float, dy: float, radius: float) -> Intervals:
-    """Where ⟨x, y⟩ + t ⟨dx, dy⟩ lies in the disc with this radius about the origin."""
+    """Return the intervals of t on which ⟨x, y⟩ + t ⟨dx, dy⟩ lies in the disc with this radius about the
+    origin.
+    """
     a, b, c = dx * dx + dy * dy, x * dx + y * dy, x * x + y * y - radius * radius
     discriminant = b * b - a * c
     if a == 0:

@@ -52,7 +52,7 @@ class PlaneShape(TakesPoints):
 
     @cached_property
     def centroid(self) -> PlaneShape:
-        """Its centre of gravity, a point."""
+        """The centre of gravity, a point."""
         return PlaneShape(self.geometry.centroid)
 
     @cached_property
@@ -67,7 +67,7 @@ class PlaneShape(TakesPoints):
 
     @cached_property
     def boundary(self) -> PlaneShape:
-        """Its boundary."""
+        """The boundary of the shape."""
         return PlaneShape(self.geometry.boundary)
 
     @cached_property
@@ -77,7 +77,7 @@ class PlaneShape(TakesPoints):
 
     @cached_property
     def convex_hull(self) -> PlaneShape:
-        """Its convex hull."""
+        """The convex hull of the shape."""
         return PlaneShape(self.geometry.convex_hull)
 
     @cached_property
@@ -117,7 +117,7 @@ class PlaneShape(TakesPoints):
 
     @property
     def area(self) -> float:
-        """Its area."""
+        """The area of the shape."""
         return float(self.geometry.area)
 
     @property

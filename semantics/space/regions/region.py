@@ -133,12 +133,12 @@ def _other(method: str, value: object) -> Region:
 
 
 class Everywhere(Region):
-    """The whole plane."""
+    """The region of the whole plane."""
 
     scenic_made = True
 
     def __reduce__(self) -> str:
-        """There is one."""
+        """Pickle the region as its name, since there is only one."""
         return "everywhere"
 
     def contains_point(self, v: Vector) -> bool:
@@ -167,7 +167,7 @@ class Everywhere(Region):
 
 
 class Nowhere(Region):
-    """The empty set."""
+    """The region without any point."""
 
     scenic_made = True
     dimension = 0

@@ -142,8 +142,8 @@ MOST_NOTES = 3
 
 
 def notes(library: Mapping[str, object], program: Program, params: Mapping[str, object]) -> list[str]:
-    """What to know about the modules that a program may import: what a model stands for, that the map is the default one,
-    what is strange about it.
+    """Return the notes about the modules that a program may import: the meaning of a model that stands in for
+    another, the use of the default map, and oddities of the map.
     """
     found = [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in library]
     roads = library.get(MAP)

@@ -1,4 +1,4 @@
-"""What the behaviors, scenarios, controllers and functions of the driving library ask of their arguments."""
+"""Checks of the arguments of behaviors, scenarios, controllers and functions in the driving library."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def read_named_map(path: Path, tolerance: object, directory: Path | None) -> Net
 
 
 def beside_program_hint(path: Path, directory: Path | None) -> str:
-    """What to write where a map that is not there is beside the program; "" otherwise."""
+    """Return a hint for a map that is missing but lies beside the program; "" otherwise."""
     if directory is None or path.is_absolute() or path.exists() or not (directory / path).is_file():
         return ""
     return f"{path.name} is beside the program: write localPath({str(path)!r}), or give the path {directory / path}"
@@ -61,7 +61,9 @@ UNKNOWN = object()
 
 
 def constant_value(node: object) -> object:
-    """What a constant that is written in a program is, also one with a sign; UNKNOWN for other expressions."""
+    """Return the value of a constant written in a program, also one with a sign; UNKNOWN for other
+    expressions.
+    """
     match node:
         case Constant(value=value):
             return value
@@ -72,7 +74,9 @@ def constant_value(node: object) -> object:
 
 
 def constants(node: object) -> object:
-    """What a dictionary of constants that is written in a program holds, also by `dict(name=...)`; UNKNOWN for other expressions."""
+    """Return the dictionary of constants written in a program, also by `dict(name=...)`; UNKNOWN for other
+    expressions.
+    """
     match node:
         case DictDisplay():
             items = {constant_value(k): constant_value(v) for k, v in node.items}
