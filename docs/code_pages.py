@@ -33,7 +33,7 @@ def paragraph(text: str, lead: str = "", more: str = "") -> str:
 
 
 def commands_page(application: typer.Typer = app) -> str:
-    """What `--help` says of the application, its commands with their pages, and the exit codes."""
+    """Return the help of the application, its commands with their pages, and the exit codes."""
     (_, text), *commands = helps_of(application)
     lines = ["# Command line", "", "```text", text, "```", "", "| command | what it does |", "| --- | --- |"]
     lines += [f"| [`{name}`]({page_of(name)}) | {cell(first_words(text))} |" for name, text in commands]
@@ -48,7 +48,7 @@ def command_pages(application: typer.Typer = app) -> dict[str, str]:
 
 
 def first_words(text: str) -> str:
-    """What a command does: the first paragraph below its usage."""
+    """Return the first paragraph below the usage of a command, which says what it does."""
     return " ".join(text.split("\n\n")[1].split())
 
 
@@ -58,7 +58,7 @@ def page_of(name: str) -> str:
 
 
 def helps_of(application: typer.Typer) -> list[tuple[str, str]]:
-    """What `--help` says of the application, then of each of its commands."""
+    """Return the help of the application, then of each of its commands."""
     return list(helps(cast(TyperGroup, typer.main.get_command(application)), "scenic-ref"))  # typer draws them from click, or a copy of it
 
 

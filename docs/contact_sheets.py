@@ -52,7 +52,7 @@ def window_of(courses: Sequence[Course], step: int) -> Window:
 
 
 def draw_moment(axes: Axes, simulation: Simulated, courses: Sequence[Course], step: int, window: Window) -> None:
-    """One time step."""
+    """Draw the objects of one time step."""
     west, south, east, north = window
     seconds = step * simulation.timestep
     axes.set(xlim=(west, east), ylim=(south, north), aspect="equal", xticks=[], yticks=[], facecolor="#fbfbfa")

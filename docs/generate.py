@@ -148,7 +148,7 @@ def measured_lines() -> Iterator[str]:
 
 
 def reading_lines(reading: Reading) -> Iterator[str]:
-    """One reading."""
+    """Yield the lines of the section on one reading."""
     yield from (f"## `{reading.id}`", "", paragraph(reading.question), "")
     for name, meaning in reading.alternatives.items():
         default = " (default)" if name == reading.default and not reading.is_note else ""
@@ -232,7 +232,7 @@ def maps_page() -> str:
 
 
 def differences_page() -> str:
-    """What the releases do otherwise: a table by chapter, then each cause with its passage and vectors."""
+    """Return the page of differences: a table by chapter, then each cause with its passage and vectors."""
     kept, known, vectors = results.shipped_results(), shipped_differences(), load_vectors()
     names = list(kept)
     counts: dict[str, dict[str, Counter[str]]] = {}
@@ -288,13 +288,13 @@ def cause_lines(cause: KnownCause, vectors: Mapping[str, ConformanceVector], kep
 
 
 def alternatives_in_words(readings: str) -> str:
-    """What the alternatives in "soft = scene, angle = heading" are."""
+    """Return the meanings of the alternatives in a text such as "soft = scene, angle = heading"."""
     named = (part.partition(" = ") for part in readings.split(", "))
     return "; ".join(READINGS[id].alternatives[alternative].rstrip(".") for id, _, alternative in named)
 
 
 def campaigns_page() -> str:
-    """What campaigns of invented programs found in the releases: for each, the program, both answers, the passage, and who is right."""
+    """Return the findings of campaigns against the releases: the program, both answers, the passage, who is right."""
     about = (
         "Programs were invented, compared with each release, and made small, by `scenic-ref fuzz --impl scenic==VERSION` "
         "([how](../harness.md)): both sides followed the readings that the release was known to follow then, so that most of what is listed is "
@@ -396,7 +396,7 @@ PAGES = {
 
 
 def main() -> None:
-    """Write all pages."""
+    """Write all generated pages below `docs`."""
     HERE.mkdir(exist_ok=True)
     (HERE / "commands").mkdir(exist_ok=True)
     for name, text in {**{name: page() for name, page in PAGES.items()}, **command_pages()}.items():

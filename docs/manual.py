@@ -16,7 +16,7 @@ NAME = "scenic-ref"
 
 
 def manual(application: typer.Typer = app) -> str:
-    """The whole page."""
+    """Return the whole manual page."""
     group = cast(TyperGroup, typer.main.get_command(application))
     lines = [
         f'.TH {NAME.upper()} 1 "" "{NAME} {scenic_ref.__version__}" "User Commands"',
@@ -53,7 +53,7 @@ def paragraphs(text: str | None) -> Iterator[str]:
 
 
 def first_sentence(text: str | None) -> str:
-    """What stands before the first full stop."""
+    """Return the text before the first full stop."""
     return " ".join((text or "").split()).partition(". ")[0].rstrip(".")
 
 

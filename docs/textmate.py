@@ -46,7 +46,7 @@ def grammar() -> dict[str, object]:
 
 
 def grammar_json() -> str:
-    """The file."""
+    """Return the grammar of TextMate as JSON."""
     return json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n"
 
 

@@ -372,3 +372,9 @@ def test_each_term_of_the_glossary_stands_there_once():
     terms = [term for term in terms if term != "term"]
     assert len(terms) > 40
     assert len(terms) == len(set(terms))
+
+
+def test_docstrings_stand_alone():
+    """None points at a neighbour, or says no more than the name."""
+    command = [sys.executable, str(ROOT / "tools" / "structure_metrics.py"), "--list", "docstrings"]
+    assert subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip() == ""
